@@ -1,0 +1,72 @@
+//! The error type of the library: every message names the file or field, what is wrong, and what would be accepted.
+
+use std::path::PathBuf;
+
+/// What can go wrong between a scene file and a microphone signal.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A field of an input file has a value that cannot be used.
+    #[error("{origin}: {field}: {problem}; {remedy}")]
+    Invalid {
+        /// The file, or "scene" when it did not come from one.
+        origin: String,
+        /// Path of the field, e.g. `paths.mapping.legs[3].v_mps`.
+        field: String,
+        /// What is wrong with it.
+        problem: String,
+        /// What would be accepted.
+        remedy: String,
+    },
+    /// The field stopped being finite.
+    #[error("the field became non-finite between step {first_step} and {last_step} ({time_s:.4} s); reduce grid.dt_s or check the scene")]
+    NonFinite {
+        /// First step of the block in which it happened.
+        first_step: u64,
+        /// Last step of that block.
+        last_step: u64,
+        /// Time of the block's end in seconds.
+        time_s: f64,
+    },
+    /// A checkpoint belongs to other inputs or is damaged.
+    #[error("{}: {problem}; delete the file to start anew", path.display())]
+    Checkpoint {
+        /// The checkpoint file.
+        path: PathBuf,
+        /// What does not fit.
+        problem: String,
+    },
+}
+
+impl Error {
+    /// An [`Error::Invalid`] from anything that prints.
+    pub fn invalid(
+        origin: impl std::fmt::Display,
+        field: impl std::fmt::Display,
+        problem: impl std::fmt::Display,
+        remedy: impl std::fmt::Display,
+    ) -> Self {
+        Self::Invalid {
+            origin: origin.to_string(),
+            field: field.to_string(),
+            problem: problem.to_string(),
+            remedy: remedy.to_string(),
+        }
+    }
+
+    /// An [`Error::Io`] that names its file.
+    pub fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
+        Self::Io {
+            path: path.into(),
+            source,
+        }
+    }
+}

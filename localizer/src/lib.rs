@@ -1,0 +1,1 @@
+//! Self-localization by Doppler-resolved echoes.

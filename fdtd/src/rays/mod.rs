@@ -1,0 +1,249 @@
+//! Specular sound rays between two points among rigid walls.
+//!
+//! Ray theory is what the papers lay beside the measured echoes (single, corner and double reflections), and its paths
+//! are what [`crate::image_source`] adds up. Each wall piece reflects on both sides, at its face and not at its centre line.
+
+pub(crate) mod plane;
+mod reflectors;
+
+pub use reflectors::{Face, Reflectors, Segment};
+
+use plane::{Vec2, add, bearing_rad, dot, length, scale, sub};
+
+/// Beyond this the reflection point no longer counts as on the face, in metres.
+const ON_FACE_M: f64 = 1e-6;
+
+/// What a path met on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum RayKind {
+    /// No wall.
+    Direct,
+    /// One wall.
+    Single,
+    /// Two walls that share an end: with a right angle between them the sound comes back to where it started.
+    Corner,
+    /// Two walls that do not touch.
+    Double,
+    /// Three walls or more.
+    Multiple,
+}
+
+/// One specular path from a source to a receiver.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RayPath {
+    /// What it met.
+    pub kind: RayKind,
+    /// The walls in the order the sound meets them: (wall, piece of its polyline).
+    pub walls: Vec<(usize, usize)>,
+    /// Source, reflection points, receiver, in metres.
+    pub points_m: Vec<[f64; 2]>,
+    /// Length in metres.
+    pub length_m: f64,
+    /// World direction in which the sound leaves the source, radians, -pi..pi.
+    pub departure_rad: f64,
+    /// World direction from the receiver towards where the sound comes from, radians, -pi..pi.
+    pub arrival_rad: f64,
+    /// Distance of the reflection point nearest to an end of its face from that end, in metres, negative beyond it. Infinite without
+    /// reflection.
+    pub clearance_m: f64,
+    /// Where the sound seems to come from: the last image of the source, in metres.
+    pub image_m: [f64; 2],
+}
+
+impl RayPath {
+    /// Number of reflections.
+    pub fn order(&self) -> usize {
+        self.walls.len()
+    }
+
+    /// Whether it is a reflection in a corner.
+    pub fn is_corner(&self) -> bool {
+        self.kind == RayKind::Corner
+    }
+}
+
+/// What [`trace`] lists.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TraceOptions {
+    /// Most reflections.
+    pub max_order: usize,
+    /// How far beyond the end of a face a reflection point may lie, in metres. A corner of 92 degrees sends no ray straight back, yet
+    /// within some centimetres of its apex the sound does not care; 0 is strict.
+    pub slack_m: f64,
+}
+
+impl Default for TraceOptions {
+    fn default() -> Self {
+        Self {
+            max_order: 2,
+            slack_m: 0.0,
+        }
+    }
+}
+
+/// All visible specular paths from `source_m` to `receiver_m` with up to `max_order` reflections, lowest order first; the direct path
+/// is first when no wall is between the points. Two orders of the same walls that give the same image (a right-angled corner and a pair in
+/// one point) count once.
+pub fn trace(
+    reflectors: &Reflectors,
+    source_m: [f64; 2],
+    receiver_m: [f64; 2],
+    options: &TraceOptions,
+) -> Vec<RayPath> {
+    let sequences = std::iter::once(Vec::new()).chain(reflectors.sequences(options.max_order));
+    let mut paths: Vec<RayPath> = Vec::new();
+    for sequence in sequences {
+        let Some(unfolded) =
+            reflectors.unfold(&sequence, source_m, receiver_m, options.slack_m + ON_FACE_M)
+        else {
+            continue;
+        };
+        if unfolded.clearance_m < -options.slack_m - ON_FACE_M
+            || reflectors.leg_transmission(&sequence, &unfolded, 0.0) < 0.5
+        {
+            continue;
+        }
+        let path = reflectors.describe(&sequence, unfolded);
+        let seen = paths.iter().any(|other| {
+            other.order() == path.order()
+                && other.walls.iter().rev().eq(path.walls.iter())
+                && length(sub(other.image_m, path.image_m)) < 2.0 * ON_FACE_M
+        });
+        if !seen || path.order() < 2 {
+            paths.push(path);
+        }
+    }
+    paths
+}
+
+/// A face sequence laid out for one pair of points.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Unfolded {
+    pub(crate) points_m: Vec<Vec2>,
+    pub(crate) image_m: Vec2,
+    pub(crate) clearance_m: f64,
+}
+
+impl Reflectors {
+    /// Image of a point in a face sequence: mirrored in the first face, that image in the second, and so on.
+    pub fn image(&self, sequence: &[usize], point_m: [f64; 2]) -> [f64; 2] {
+        sequence
+            .iter()
+            .fold(point_m, |image, &face| self.faces()[face].mirror(image))
+    }
+
+    /// Reflection points of a sequence, walking back from the receiver. None when an image lies on the wrong side of a face, or when the
+    /// reflection points are out of order by more than `slack_m`; their clearance is the caller's to judge.
+    pub(crate) fn unfold(
+        &self,
+        sequence: &[usize],
+        source_m: Vec2,
+        receiver_m: Vec2,
+        slack_m: f64,
+    ) -> Option<Unfolded> {
+        let mut images = Vec::with_capacity(sequence.len() + 1);
+        images.push(source_m);
+        for &face in sequence {
+            let face = &self.faces()[face];
+            let image = *images.last()?;
+            if face.height_m(image) <= 1e-9 {
+                return None;
+            }
+            images.push(face.mirror(image));
+        }
+        let image_m = *images.last()?;
+        let mut points_m = vec![receiver_m];
+        let mut clearance_m = f64::INFINITY;
+        let mut towards = receiver_m;
+        for (&face, &image) in sequence.iter().zip(&images[1..]).rev() {
+            let face = &self.faces()[face];
+            let (height_m, depth_m) = (face.height_m(towards), -face.height_m(image));
+            // Only reflection points next to a joint may be behind the other face by a little.
+            let least_m = if points_m.len() == 1 { 1e-9 } else { -slack_m };
+            if height_m < least_m || height_m + depth_m <= 1e-9 {
+                return None;
+            }
+            let point = add(
+                towards,
+                scale(sub(image, towards), height_m / (height_m + depth_m)),
+            );
+            clearance_m = clearance_m.min(face.clearance_m(point));
+            points_m.push(point);
+            towards = point;
+        }
+        points_m.push(source_m);
+        points_m.reverse();
+        Some(Unfolded {
+            points_m,
+            image_m,
+            clearance_m,
+        })
+    }
+
+    /// Share of a path that no wall hides, 0..1.
+    pub(crate) fn leg_transmission(
+        &self,
+        sequence: &[usize],
+        unfolded: &Unfolded,
+        fade_m: f64,
+    ) -> f64 {
+        let touched = |bounce: usize| {
+            bounce
+                .checked_sub(1)
+                .and_then(|i| sequence.get(i))
+                .map(|&face| self.faces()[face].segment)
+        };
+        unfolded
+            .points_m
+            .windows(2)
+            .enumerate()
+            .map(|(leg, ends)| {
+                self.transmission(ends[0], ends[1], [touched(leg), touched(leg + 1)], fade_m)
+            })
+            .product()
+    }
+
+    fn describe(&self, sequence: &[usize], unfolded: Unfolded) -> RayPath {
+        let points = &unfolded.points_m;
+        let segments: Vec<usize> = sequence
+            .iter()
+            .map(|&face| self.faces()[face].segment)
+            .collect();
+        let kind = match segments.as_slice() {
+            [] => RayKind::Direct,
+            [_] => RayKind::Single,
+            [one, other] if self.are_joined(*one, *other) => RayKind::Corner,
+            [_, _] => RayKind::Double,
+            _ => RayKind::Multiple,
+        };
+        let receiver = points[points.len() - 1];
+        RayPath {
+            kind,
+            walls: segments
+                .iter()
+                .map(|&s| (self.segments()[s].wall, self.segments()[s].piece))
+                .collect(),
+            length_m: length(sub(receiver, unfolded.image_m)),
+            departure_rad: bearing_rad(departure(self, sequence, unfolded.image_m, receiver)),
+            arrival_rad: bearing_rad(sub(unfolded.image_m, receiver)),
+            clearance_m: unfolded.clearance_m,
+            image_m: unfolded.image_m,
+            points_m: unfolded.points_m,
+        }
+    }
+}
+
+/// Direction of the first leg: the straight line from the last image to the receiver, folded back face by face. Unlike the difference of the
+/// first two points it is defined when those coincide.
+fn departure(reflectors: &Reflectors, sequence: &[usize], image_m: Vec2, receiver_m: Vec2) -> Vec2 {
+    sequence
+        .iter()
+        .rev()
+        .fold(sub(receiver_m, image_m), |direction, &face| {
+            let normal = reflectors.faces()[face].normal;
+            sub(direction, scale(normal, 2.0 * dot(direction, normal)))
+        })
+}
+
+#[cfg(test)]
+mod tests;

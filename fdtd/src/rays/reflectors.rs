@@ -1,0 +1,245 @@
+//! The rigid faces of finite wall segments, their joints, and what they hide.
+//!
+//! A wall of thickness `T` shows two faces, one on each side, at `T/2` from its centre line. Where two segments share an
+//! end, their faces are cut or prolonged to meet at the mitre, so that a closed corner has its apex where the wall's
+//! surface has it and not where the centre lines meet. The short faces at free ends are left out: they are narrower than
+//! a wavelength.
+
+use super::plane::{Vec2, add, cross, dot, left_of, length, scale, sub};
+
+/// Two ends closer than this are one joint, in metres, unless the walls are thicker: then half the thickness.
+const JOINT_TOLERANCE_M: f64 = 1e-6;
+
+/// A leg crosses a wall when it reaches at least this far past it, in metres.
+const TOUCH_M: f64 = 1e-6;
+
+/// One straight piece of a wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// Which wall, counted as in the scene.
+    pub wall: usize,
+    /// Which piece of that wall's polyline.
+    pub piece: usize,
+    /// Ends of the centre line in metres.
+    pub ends_m: [Vec2; 2],
+    /// Thickness in metres, 0 or more.
+    pub thickness_m: f64,
+}
+
+/// One reflecting side of a segment: a line segment with a front.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Face {
+    /// Index of the segment it belongs to, in [`Reflectors::segments`].
+    pub segment: usize,
+    /// One end in metres.
+    pub start_m: Vec2,
+    /// Unit vector from `start_m` along the face.
+    pub along: Vec2,
+    /// Unit vector out of the wall.
+    pub normal: Vec2,
+    /// Length in metres.
+    pub length_m: f64,
+}
+
+impl Face {
+    /// Distance of a point in front of the face's line in metres, negative behind it.
+    pub fn height_m(&self, point_m: Vec2) -> f64 {
+        dot(sub(point_m, self.start_m), self.normal)
+    }
+
+    /// Mirror image of a point in the face's line.
+    pub fn mirror(&self, point_m: Vec2) -> Vec2 {
+        add(point_m, scale(self.normal, -2.0 * self.height_m(point_m)))
+    }
+
+    /// How far inside the face's ends a point of its line lies, in metres; negative beyond an end.
+    pub fn clearance_m(&self, point_m: Vec2) -> f64 {
+        let position = dot(sub(point_m, self.start_m), self.along);
+        position.min(self.length_m - position)
+    }
+
+    fn end_m(&self) -> Vec2 {
+        add(self.start_m, scale(self.along, self.length_m))
+    }
+}
+
+/// Wall segments with their faces, ready for tracing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reflectors {
+    segments: Vec<Segment>,
+    faces: Vec<Face>,
+}
+
+impl Reflectors {
+    /// Faces of a set of segments. Pieces without length are ignored.
+    pub fn new(segments: impl IntoIterator<Item = Segment>) -> Self {
+        let segments: Vec<Segment> = segments
+            .into_iter()
+            .filter(|segment| length(sub(segment.ends_m[1], segment.ends_m[0])) > 0.0)
+            .collect();
+        let faces = (0..segments.len())
+            .flat_map(|index| [1.0, -1.0].map(|side| face_of(&segments, index, side)))
+            .flatten()
+            .collect();
+        Self { segments, faces }
+    }
+
+    /// The wall pieces.
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// The reflecting faces, up to two per piece.
+    pub fn faces(&self) -> &[Face] {
+        &self.faces
+    }
+
+    /// Whether two segments share an end.
+    pub fn are_joined(&self, first: usize, second: usize) -> bool {
+        let (one, other) = (&self.segments[first], &self.segments[second]);
+        let tolerance_m = joint_tolerance_m(one, other);
+        one.ends_m.iter().any(|&p| {
+            other
+                .ends_m
+                .iter()
+                .any(|&q| length(sub(p, q)) <= tolerance_m)
+        })
+    }
+
+    /// All face sequences up to `max_order` reflections along which sound can travel at all, shortest first: each next face
+    /// lies at least partly in front of the one before, and the other way round.
+    pub fn sequences(&self, max_order: usize) -> Vec<Vec<usize>> {
+        let mut all: Vec<Vec<usize>> = Vec::new();
+        let mut longest: Vec<Vec<usize>> = vec![Vec::new()];
+        for _ in 0..max_order {
+            longest = longest
+                .iter()
+                .flat_map(|sequence| {
+                    (0..self.faces.len())
+                        .filter(|&next| {
+                            sequence
+                                .last()
+                                .is_none_or(|&last| self.can_follow(last, next))
+                        })
+                        .map(|next| [sequence.as_slice(), &[next]].concat())
+                })
+                .collect();
+            all.extend_from_slice(&longest);
+        }
+        all
+    }
+
+    fn can_follow(&self, last: usize, next: usize) -> bool {
+        let sees = |front: &Face, other: &Face| {
+            [other.start_m, other.end_m()]
+                .iter()
+                .any(|&p| front.height_m(p) > 1e-9)
+        };
+        let (last, next) = (&self.faces[last], &self.faces[next]);
+        last.segment != next.segment && sees(last, next) && sees(next, last)
+    }
+
+    /// Share of a leg from `from_m` to `to_m` that gets past the walls, 1 free and 0 blocked. It passes through one half when the
+    /// leg grazes a wall's end and changes within `fade_m` on either side of it. `ends_on` are segments the leg starts or
+    /// ends on; they do not hide it.
+    pub(crate) fn transmission(
+        &self,
+        from_m: Vec2,
+        to_m: Vec2,
+        ends_on: [Option<usize>; 2],
+        fade_m: f64,
+    ) -> f64 {
+        let leg = sub(to_m, from_m);
+        let leg_length_m = length(leg);
+        let mut hidden = 0.0;
+        for (index, segment) in self.segments.iter().enumerate() {
+            if ends_on.contains(&Some(index)) {
+                continue;
+            }
+            let wall = sub(segment.ends_m[1], segment.ends_m[0]);
+            let determinant = cross(leg, wall);
+            let wall_length_m = length(wall);
+            if determinant.abs() <= 1e-12 * leg_length_m * wall_length_m {
+                continue;
+            }
+            let offset = sub(segment.ends_m[0], from_m);
+            let on_leg_m = cross(offset, wall) / determinant * leg_length_m;
+            // A leg that only touches a wall with its end, as in the apex of a corner, is not hidden by it.
+            if on_leg_m < TOUCH_M || on_leg_m > leg_length_m - TOUCH_M {
+                continue;
+            }
+            let on_wall_m = cross(offset, leg) / determinant * wall_length_m;
+            hidden += fade(on_wall_m.min(wall_length_m - on_wall_m), fade_m);
+        }
+        (1.0 - hidden).max(0.0)
+    }
+}
+
+/// Smooth step: 0 below `-fade_m`, one half at 0, 1 above `+fade_m`; `fade(d) + fade(-d) = 1`.
+pub(crate) fn fade(clearance_m: f64, fade_m: f64) -> f64 {
+    if clearance_m >= fade_m {
+        1.0
+    } else if clearance_m <= -fade_m {
+        0.0
+    } else {
+        0.5 + 0.5 * (std::f64::consts::FRAC_PI_2 * clearance_m / fade_m).sin()
+    }
+}
+
+fn joint_tolerance_m(one: &Segment, other: &Segment) -> f64 {
+    JOINT_TOLERANCE_M.max(0.5 * one.thickness_m.min(other.thickness_m))
+}
+
+/// The face on one side (+1 left of the centre line's direction, -1 right), or none when its neighbours hide all of it.
+fn face_of(segments: &[Segment], index: usize, side: f64) -> Option<Face> {
+    let segment = &segments[index];
+    let [a, b] = segment.ends_m;
+    let extent = sub(b, a);
+    let full_m = length(extent);
+    let along = scale(extent, 1.0 / full_m);
+    let normal = scale(left_of(along), side);
+    let cut_start_m = mitre_m(segments, index, a, along, normal);
+    let cut_end_m = mitre_m(segments, index, b, scale(along, -1.0), normal);
+    let length_m = full_m - cut_start_m - cut_end_m;
+    (length_m > 0.0).then(|| Face {
+        segment: index,
+        start_m: add(
+            add(a, scale(normal, 0.5 * segment.thickness_m)),
+            scale(along, cut_start_m),
+        ),
+        along,
+        normal,
+        length_m,
+    })
+}
+
+/// How much of a face the joint at `joint_m` takes away (or adds, negative), in metres. `away` is the unit vector from the joint along
+/// the segment.
+fn mitre_m(segments: &[Segment], index: usize, joint_m: Vec2, away: Vec2, normal: Vec2) -> f64 {
+    let own = &segments[index];
+    // Turning from this segment towards the face's side, the first other segment met bounds the same free sector.
+    let neighbour = segments
+        .iter()
+        .enumerate()
+        .filter(|&(other, _)| other != index)
+        .flat_map(|(_, other)| {
+            let [p, q] = other.ends_m;
+            [(p, q), (q, p)].map(|(near, far)| (near, sub(far, near), other))
+        })
+        .filter(|(near, _, other)| length(sub(*near, joint_m)) <= joint_tolerance_m(own, other))
+        .map(|(_, direction, other)| {
+            let turn = dot(direction, normal).atan2(dot(direction, away));
+            (turn.rem_euclid(std::f64::consts::TAU), other.thickness_m)
+        })
+        .min_by(|one, other| one.0.total_cmp(&other.0));
+    let Some((turn_rad, neighbour_thickness_m)) = neighbour else {
+        return 0.0;
+    };
+    let (sine, cosine) = turn_rad.sin_cos();
+    if sine.abs() < 1e-6 {
+        return 0.0;
+    }
+    let cut_m = 0.5 * (neighbour_thickness_m + own.thickness_m * cosine) / sine;
+    // A sharp outer corner would be prolonged without end: the wall's joint is round there.
+    cut_m.max(-own.thickness_m)
+}

@@ -1,0 +1,204 @@
+use super::reflectors::fade;
+use super::*;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+fn wall(wall: usize, a: Vec2, b: Vec2, thickness_m: f64) -> Segment {
+    Segment {
+        wall,
+        piece: 0,
+        ends_m: [a, b],
+        thickness_m,
+    }
+}
+
+fn close(a: f64, b: f64) {
+    assert!((a - b).abs() < 1e-9, "{a} is not {b}");
+}
+
+fn kinds(paths: &[RayPath]) -> Vec<RayKind> {
+    paths.iter().map(|path| path.kind).collect()
+}
+
+#[test]
+fn a_single_wall_gives_the_direct_path_and_one_echo() {
+    let walls = Reflectors::new([wall(0, [2.0, -1.0], [2.0, 1.0], 0.02)]);
+    let paths = trace(&walls, [0.0, 0.1], [0.0, 0.1], &TraceOptions::default());
+    assert_eq!(kinds(&paths), [RayKind::Direct, RayKind::Single]);
+    close(paths[1].length_m, 2.0 * 1.99);
+    close(paths[1].departure_rad, 0.0);
+    close(paths[1].arrival_rad, 0.0);
+    close(paths[1].clearance_m, 0.9);
+    close(paths[1].points_m[1][0], 1.99);
+}
+
+#[test]
+fn a_bistatic_echo_has_equal_angles() {
+    let walls = Reflectors::new([wall(0, [-3.0, 0.0], [3.0, 0.0], 0.0)]);
+    let paths = trace(&walls, [-1.0, 1.0], [1.0, 1.0], &TraceOptions::default());
+    assert_eq!(kinds(&paths), [RayKind::Direct, RayKind::Single]);
+    close(paths[1].length_m, 8f64.sqrt());
+    close(paths[1].departure_rad, -PI / 4.0);
+    close(paths[1].arrival_rad, -3.0 * PI / 4.0);
+    assert_eq!(paths[1].points_m[1], [0.0, 0.0]);
+}
+
+#[test]
+fn beside_the_end_of_a_wall_there_is_no_echo() {
+    let walls = Reflectors::new([wall(0, [2.0, 0.0], [2.0, 1.0], 0.02)]);
+    let beside = [0.0, -0.02];
+    assert_eq!(
+        kinds(&trace(&walls, beside, beside, &TraceOptions::default())),
+        [RayKind::Direct]
+    );
+    let slack = TraceOptions {
+        slack_m: 0.03,
+        ..TraceOptions::default()
+    };
+    let paths = trace(&walls, beside, beside, &slack);
+    assert_eq!(kinds(&paths), [RayKind::Direct, RayKind::Single]);
+    close(paths[1].clearance_m, -0.02);
+}
+
+#[test]
+fn a_screen_hides_what_is_behind_it() {
+    let walls = Reflectors::new([
+        wall(0, [2.0, -1.0], [2.0, 1.0], 0.02),
+        wall(1, [1.0, -0.2], [1.0, 0.2], 0.02),
+    ]);
+    let paths = trace(&walls, [0.0, 0.0], [0.0, 0.0], &TraceOptions::default());
+    assert_eq!(kinds(&paths), [RayKind::Direct, RayKind::Single]);
+    assert_eq!(paths[1].walls, [(1, 0)]);
+    let behind = trace(&walls, [0.0, 0.0], [1.5, 0.0], &TraceOptions::default());
+    assert!(behind.iter().all(|path| path.kind != RayKind::Direct));
+}
+
+#[test]
+fn a_right_angled_corner_sends_the_sound_back_once() {
+    let (wall_x, wall_y) = (
+        wall(0, [0.0, 0.0], [3.0, 0.0], 0.0),
+        wall(1, [0.0, 0.0], [0.0, 3.0], 0.0),
+    );
+    let walls = Reflectors::new([wall_x, wall_y]);
+    let pair = [1.2, 0.5];
+    let paths = trace(&walls, pair, pair, &TraceOptions::default());
+    assert_eq!(
+        kinds(&paths),
+        [
+            RayKind::Direct,
+            RayKind::Single,
+            RayKind::Single,
+            RayKind::Corner
+        ]
+    );
+    close(paths[3].length_m, 2.0 * 1.3);
+    close(paths[3].departure_rad, (-0.5f64).atan2(-1.2));
+    close(paths[3].arrival_rad, (-0.5f64).atan2(-1.2));
+    // A pair apart sees it in one order of the walls only.
+    let apart = trace(&walls, [1.2, 0.5], [1.1, 0.8], &TraceOptions::default());
+    assert_eq!(apart.iter().filter(|path| path.is_corner()).count(), 1);
+}
+
+#[test]
+fn thick_walls_meet_at_the_inner_apex_and_at_the_outer_one() {
+    let walls = Reflectors::new([
+        wall(0, [0.0, 0.0], [3.0, 0.0], 0.02),
+        wall(1, [0.0, 3.0], [0.0, 0.0], 0.02),
+    ]);
+    let inside = trace(&walls, [1.01, 1.01], [1.01, 1.01], &TraceOptions::default());
+    let corner = inside
+        .iter()
+        .find(|path| path.is_corner())
+        .expect("an inner corner");
+    close(corner.length_m, 2.0 * 2f64.sqrt());
+    close(corner.points_m[1][0], 0.01);
+    let longest = walls
+        .faces()
+        .iter()
+        .map(|face| face.length_m)
+        .fold(0.0, f64::max);
+    close(longest, 3.01);
+    // Outside, the corner is convex and sends nothing back.
+    let outside = trace(&walls, [-1.0, -1.0], [-1.0, -1.0], &TraceOptions::default());
+    assert_eq!(kinds(&outside), [RayKind::Direct]);
+}
+
+#[test]
+fn a_polyline_of_collinear_pieces_echoes_once_and_hides() {
+    let walls = Reflectors::new([
+        wall(0, [2.0, -1.0], [2.0, 0.3], 0.02),
+        wall(0, [2.0, 0.3], [2.0, 1.0], 0.02),
+    ]);
+    let paths = trace(&walls, [0.0, 0.0], [0.0, 0.0], &TraceOptions::default());
+    assert_eq!(kinds(&paths), [RayKind::Direct, RayKind::Single]);
+    close(
+        walls.transmission([0.0, 0.3], [3.0, 0.3], [None; 2], 0.05),
+        0.0,
+    );
+    close(
+        walls.transmission([0.0, 1.0], [3.0, 1.0], [None; 2], 0.05),
+        0.5,
+    );
+}
+
+#[test]
+fn parallel_walls_give_double_reflections_in_both_orders() {
+    let walls = Reflectors::new([
+        wall(0, [0.0, -1.0], [0.0, 1.0], 0.0),
+        wall(1, [3.0, -1.0], [3.0, 1.0], 0.0),
+    ]);
+    let pair = [1.0, 0.0];
+    let options = TraceOptions {
+        max_order: 3,
+        ..TraceOptions::default()
+    };
+    let paths = trace(&walls, pair, pair, &options);
+    let lengths = |kind| -> Vec<f64> {
+        let mut all: Vec<f64> = paths
+            .iter()
+            .filter(|path| path.kind == kind)
+            .map(|path| path.length_m)
+            .collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    assert_eq!(lengths(RayKind::Single), [2.0, 4.0]);
+    assert_eq!(lengths(RayKind::Double), [6.0, 6.0]);
+    assert_eq!(lengths(RayKind::Multiple), [8.0, 10.0]);
+}
+
+#[test]
+fn swapping_the_ends_reverses_every_path() {
+    let walls = Reflectors::new([
+        wall(0, [0.0, 0.0], [3.0, 0.3], 0.02),
+        wall(1, [0.0, 0.0], [-0.2, 2.5], 0.02),
+        wall(2, [2.0, 2.8], [3.0, 1.9], 0.02),
+    ]);
+    let (a, b) = ([1.0, 0.9], [1.6, 1.4]);
+    let there = trace(&walls, a, b, &TraceOptions::default());
+    let back = trace(&walls, b, a, &TraceOptions::default());
+    assert_eq!(there.len(), back.len());
+    assert!(there.len() > 4);
+    for path in &there {
+        let twin = back
+            .iter()
+            .find(|other| other.walls.iter().rev().eq(path.walls.iter()))
+            .expect("a path and its reverse");
+        close(twin.length_m, path.length_m);
+        close(twin.departure_rad, path.arrival_rad);
+        close(twin.arrival_rad, path.departure_rad);
+    }
+    let folded: f64 = there[3]
+        .points_m
+        .windows(2)
+        .map(|leg| length(sub(leg[1], leg[0])))
+        .sum();
+    close(folded, there[3].length_m);
+}
+
+#[test]
+fn fading_is_complementary() {
+    close(fade(0.0, 0.05), 0.5);
+    close(fade(0.0, 0.0), 1.0);
+    close(fade(0.02, 0.05) + fade(-0.02, 0.05), 1.0);
+    close((FRAC_PI_2 * 0.4).sin() * 0.5 + 0.5, fade(0.02, 0.05));
+}

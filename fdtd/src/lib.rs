@@ -9,6 +9,7 @@ pub mod grid;
 pub mod image_source;
 pub mod motion;
 pub mod pml;
+pub mod rays;
 pub mod scene;
 pub mod scheme;
 pub mod simulation;

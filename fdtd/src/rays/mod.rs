@@ -6,6 +6,7 @@
 pub(crate) mod plane;
 mod reflectors;
 
+pub(crate) use reflectors::fade;
 pub use reflectors::{Face, Reflectors, Segment};
 
 use plane::{Vec2, add, bearing_rad, dot, length, scale, sub};

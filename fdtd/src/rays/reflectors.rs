@@ -6,6 +6,7 @@
 //! a wavelength.
 
 use super::plane::{Vec2, add, cross, dot, left_of, length, scale, sub};
+use crate::walls::Wall;
 
 /// Two ends closer than this are one joint, in metres, unless the walls are thicker: then half the thickness.
 const JOINT_TOLERANCE_M: f64 = 1e-6;
@@ -82,6 +83,22 @@ impl Reflectors {
             .flatten()
             .collect();
         Self { segments, faces }
+    }
+
+    /// Faces of the walls of a scene.
+    pub fn of(walls: &[Wall]) -> Self {
+        let pieces = walls.iter().enumerate().flat_map(|(wall, drawn)| {
+            drawn
+                .segments_m()
+                .enumerate()
+                .map(move |(piece, ends_m)| Segment {
+                    wall,
+                    piece,
+                    ends_m,
+                    thickness_m: drawn.thickness_m,
+                })
+        });
+        Self::new(pieces)
     }
 
     /// The wall pieces.

@@ -1,4 +1,3 @@
-use super::reflectors::fade;
 use super::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 

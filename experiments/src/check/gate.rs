@@ -1,0 +1,199 @@
+//! Regression gate: a summary against a committed baseline.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+
+use crate::atomic;
+use crate::metrics::Accuracy;
+use crate::preset::Preset;
+use crate::summary::Summary;
+
+/// Share by which an error may grow without alarm, beside its interval.
+const TOLERANCE: f64 = 0.10;
+
+/// Accuracies that a later summary is held against.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Baseline {
+    /// The preset.
+    pub preset: Preset,
+    /// Revision it was taken from.
+    pub commit: String,
+    /// Accuracies by name.
+    pub measures: Vec<Measure>,
+}
+
+/// One accuracy of a baseline.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measure {
+    /// Name, e.g. `window_size 4 m`.
+    pub name: String,
+    /// Mean absolute error, metres.
+    pub mae_m: f64,
+    /// Its 95 % interval, metres.
+    pub interval_m: [f64; 2],
+}
+
+/// Verdict on one measure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Name of the measure.
+    pub name: String,
+    /// Error in the baseline, metres.
+    pub baseline_m: f64,
+    /// Error now, metres; absent when the summary lacks it.
+    pub now_m: Option<f64>,
+    /// Greatest error that passes, metres.
+    pub limit_m: f64,
+    /// Whether it passes.
+    pub passed: bool,
+}
+
+/// The named accuracies of a summary that the gate watches.
+fn measures(summary: &Summary) -> Vec<Measure> {
+    let measure = |name: String, accuracy: &Accuracy| Measure {
+        name,
+        mae_m: accuracy.mae_m,
+        interval_m: accuracy.interval_m,
+    };
+    let mut list = Vec::new();
+    if let Some(methods) = &summary.odometry_drift {
+        list.push(measure("drift doppler".into(), &methods.doppler));
+        list.push(measure("drift toa-only".into(), &methods.toa_only));
+        list.push(measure("drift odometry".into(), &methods.odometry));
+    }
+    for cell in &summary.window_size {
+        list.push(measure(
+            format!("window {} m", cell.half_width_m),
+            &cell.accuracy,
+        ));
+    }
+    for cell in &summary.periods {
+        list.push(measure(format!("periods {}", cell.m), &cell.accuracy));
+    }
+    for cell in &summary.snr {
+        list.push(measure(format!("snr {} dB", cell.snr_db), &cell.accuracy));
+    }
+    if let Some(schemes) = &summary.schemes {
+        list.push(measure("slf doppler".into(), &schemes.slf.doppler));
+        list.push(measure("slf toa-only".into(), &schemes.slf.toa_only));
+    }
+    list
+}
+
+impl Baseline {
+    /// The baseline that `summary` becomes.
+    pub fn of(summary: &Summary) -> Self {
+        Self {
+            preset: summary.preset,
+            commit: summary.provenance.commit.clone(),
+            measures: measures(summary),
+        }
+    }
+
+    /// Reads a baseline.
+    ///
+    /// # Errors
+    /// When the file cannot be read or is no baseline.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path)
+            .with_context(|| format!("{}: no baseline; make one with --bless", path.display()))?;
+        serde_json::from_str(&text).with_context(|| format!("{}: is no baseline", path.display()))
+    }
+
+    /// Writes the baseline.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let mut text = serde_json::to_string_pretty(self)?;
+        text.push('\n');
+        atomic::write(path, text.as_bytes())
+    }
+
+    /// Verdicts on `summary`: a measure fails when its error lies above the interval of the baseline and above its mean by more
+    /// than 10 %, or when it is missing.
+    pub fn judge(&self, summary: &Summary) -> Vec<Verdict> {
+        let now = measures(summary);
+        self.measures
+            .iter()
+            .map(|measure| {
+                let limit_m = measure.interval_m[1].max((1.0 + TOLERANCE) * measure.mae_m);
+                let now_m = now
+                    .iter()
+                    .find(|other| other.name == measure.name)
+                    .map(|other| other.mae_m);
+                Verdict {
+                    name: measure.name.clone(),
+                    baseline_m: measure.mae_m,
+                    now_m,
+                    limit_m,
+                    passed: now_m.is_some_and(|error| error <= limit_m),
+                }
+            })
+            .collect()
+    }
+}
+
+/// The verdicts as a table.
+pub fn table(verdicts: &[Verdict]) -> String {
+    let mut rows = vec![
+        ["measure", "baseline [m]", "now [m]", "limit [m]", "verdict"]
+            .map(String::from)
+            .to_vec(),
+    ];
+    rows.extend(verdicts.iter().map(|verdict| {
+        vec![
+            verdict.name.clone(),
+            format!("{:.4}", verdict.baseline_m),
+            verdict
+                .now_m
+                .map_or("missing".to_string(), |now| format!("{now:.4}")),
+            format!("{:.4}", verdict.limit_m),
+            if verdict.passed { "ok" } else { "WORSE" }.to_string(),
+        ]
+    }));
+    super::aligned(&rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::summary::Methods;
+
+    fn summary(doppler: &[f64]) -> Summary {
+        let accuracy = |errors: &[f64]| {
+            let trials: Vec<(&[f64], &[f64])> = errors
+                .iter()
+                .map(|error| (std::slice::from_ref(error), &[0.0][..]))
+                .collect();
+            Accuracy::over(&trials)
+        };
+        let mut summary = Summary::new(Preset::Quick);
+        summary.odometry_drift = Some(Methods {
+            doppler: accuracy(doppler),
+            toa_only: accuracy(&[0.1]),
+            odometry: accuracy(&[0.5]),
+        });
+        summary
+    }
+
+    #[test]
+    fn only_a_clear_loss_fails() {
+        let baseline = Baseline::of(&summary(&[0.04, 0.05, 0.06]));
+        let passed = |now: &[f64]| baseline.judge(&summary(now))[0].passed;
+        assert!(passed(&[0.05]));
+        assert!(passed(&[0.01]));
+        assert!(passed(&[0.055]), "within 10 %");
+        assert!(!passed(&[0.08]));
+        let verdicts = baseline.judge(&Summary::new(Preset::Quick));
+        assert!(
+            verdicts.iter().all(|verdict| !verdict.passed),
+            "missing measures fail"
+        );
+        assert!(table(&verdicts).contains("missing"));
+    }
+}

@@ -1,0 +1,60 @@
+//! Figure 6 (b): cumulative distribution of the position errors over all trials.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::axes::{Axes, Axis, Entry, TITLE, legend};
+use super::canvas;
+use super::method_style;
+use crate::metrics::{cumulative_distribution, mean, quantile};
+use crate::table::Table;
+
+/// Draws the figure.
+///
+/// # Errors
+/// When the data file is missing or damaged, or the picture cannot be written.
+pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
+    let estimates = Table::read(&data.join("drift_paths.csv"))?;
+    let methods = ["doppler", "toa-only", "odometry"];
+    let errors = methods
+        .iter()
+        .map(|method| estimates.only("method", method)?.numbers("error_m"))
+        .collect::<Result<Vec<_>>>()?;
+    let filtered = errors[..2].iter().flatten().copied().collect::<Vec<_>>();
+    let end = if filtered.is_empty() {
+        1.0
+    } else {
+        1.15 * quantile(&filtered, 1.0)
+    };
+    canvas::draw(picture, 1600, 1100, |sheet| {
+        let title =
+            "Position errors are smaller with Doppler bearings than with arrival times alone";
+        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        let axes = Axes::new(
+            sheet,
+            [190.0, 230.0, 1550.0, 980.0],
+            Axis::new(0.0, end, "position error [m]"),
+            Axis::new(0.0, 1.0, "share of errors below"),
+        );
+        axes.grid()?;
+        let mut entries = Vec::new();
+        for (method, errors) in methods.iter().zip(&errors) {
+            let (stroke, name) = method_style(method);
+            let curve = cumulative_distribution(errors, 401);
+            axes.curve(&curve, stroke)?;
+            entries.push(Entry {
+                stroke: Some(stroke),
+                marker: None,
+                text: format!(
+                    "{name}: mean {:.3} m, 90 % below {:.3} m",
+                    mean(errors),
+                    quantile(errors, 0.9)
+                ),
+            });
+        }
+        axes.finish("(b) cumulative distribution, all trials")?;
+        legend(sheet, [190.0, 78.0], 1400.0, &entries)?;
+        Ok(())
+    })
+}

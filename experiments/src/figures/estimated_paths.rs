@@ -1,0 +1,69 @@
+//! Figure 6 (a): true and estimated paths of odometry, Doppler method and ToA-only method.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::axes::{Entry, LABEL, TITLE, legend};
+use super::canvas::{self, Stroke};
+use super::layout::{Layout, drive_points, path};
+use super::{colour, method_style};
+use crate::metrics::mean;
+use crate::table::Table;
+
+/// Draws the figure.
+///
+/// # Errors
+/// When a data file is missing or damaged, or the picture cannot be written.
+pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
+    let layout = Layout::read(data)?;
+    let estimates = Table::read(&data.join("drift_paths.csv"))?;
+    let truth = drive_points(&Table::read(&data.join("drive.csv"))?, "localization")?;
+    canvas::draw(picture, 1600, 1100, |sheet| {
+        let title = "Echoes with Doppler bearings hold the path that odometry loses";
+        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        let axes = layout.axes(sheet, [120.0, 100.0, 1010.0, 990.0]);
+        axes.grid()?;
+        layout.walls(&axes, Stroke::solid(colour::GREY, 6.0))?;
+        let (black, name) = method_style("truth");
+        path(&axes, &truth, black)?;
+        let mut entries = vec![Entry {
+            stroke: Some(black),
+            marker: None,
+            text: name.to_string(),
+        }];
+        for method in ["odometry", "toa-only", "doppler"] {
+            let rows = estimates.only("method", method)?;
+            let Some(first) = rows.distinct("trial")?.first().cloned() else {
+                continue;
+            };
+            let trial = rows.only("trial", &first)?;
+            let points: Vec<(f64, f64)> = trial
+                .numbers("x_m")?
+                .into_iter()
+                .zip(trial.numbers("y_m")?)
+                .collect();
+            let (stroke, name) = method_style(method);
+            axes.curve(&points, stroke)?;
+            let error = mean(&rows.numbers("error_m")?);
+            entries.push(Entry {
+                stroke: Some(stroke),
+                marker: None,
+                text: format!("{name}: MAE {error:.3} m"),
+            });
+        }
+        axes.finish("(a) estimated positions (first trial)")?;
+        let mut y = 150.0;
+        for entry in entries {
+            y += legend(sheet, [1080.0, y], 480.0, &[entry])? + 14.0;
+        }
+        for note in [
+            "MAE: mean over all trials.",
+            "\u{25cf} start   \u{25a0} end   grey: walls",
+        ] {
+            sheet.text(note, [1080.0, y + 30.0], (1, 0), LABEL - 3.0, false, false)?;
+            y += 46.0;
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,120 @@
+//! The room of a figure: size, absorbing layer, walls and drive paths as data files hold them.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+
+use super::axes::{Axes, Axis};
+use super::canvas::{Marker, Stroke};
+use super::colour;
+use crate::table::Table;
+
+/// Walls and size of a scene, as written to `layout.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Layout {
+    /// Name of the scene.
+    pub name: String,
+    /// Width and height of the domain, metres.
+    pub size_m: [f64; 2],
+    /// Thickness of the absorbing layer on each side, metres.
+    pub layer_m: f64,
+    /// Walls.
+    pub walls: Vec<LayoutWall>,
+}
+
+/// A wall of a [`Layout`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LayoutWall {
+    /// Corners of the centre line, metres.
+    pub points_m: Vec<[f64; 2]>,
+    /// Thickness, metres.
+    pub thickness_m: f64,
+}
+
+impl Layout {
+    /// Reads `layout.json` of a data folder.
+    ///
+    /// # Errors
+    /// When the file cannot be read or holds something else.
+    pub fn read(data: &Path) -> Result<Self> {
+        let path = data.join("layout.json");
+        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        serde_json::from_str(&text).with_context(|| path.display().to_string())
+    }
+
+    /// Axes over the whole domain within `frame`.
+    pub fn axes<'a>(&self, canvas: &'a super::canvas::Canvas, frame: [f64; 4]) -> Axes<'a> {
+        let [width, height] = self.size_m;
+        Axes::equal(
+            canvas,
+            frame,
+            Axis::new(0.0, width, "x [m]"),
+            Axis::new(0.0, height, "y [m]"),
+        )
+    }
+
+    /// Draws the walls.
+    ///
+    /// # Errors
+    /// When the canvas refuses.
+    pub fn walls(&self, axes: &Axes<'_>, stroke: Stroke) -> Result<()> {
+        let metre = (axes.pixel(1.0, 0.0)[0] - axes.pixel(0.0, 0.0)[0]).abs();
+        for wall in &self.walls {
+            let points: Vec<(f64, f64)> = wall
+                .points_m
+                .iter()
+                .map(|point| (point[0], point[1]))
+                .collect();
+            let width = stroke.width.max(metre * wall.thickness_m);
+            axes.curve(&points, Stroke { width, ..stroke })?;
+        }
+        Ok(())
+    }
+
+    /// Shades the absorbing layer.
+    ///
+    /// # Errors
+    /// When the canvas refuses.
+    pub fn layer(&self, axes: &Axes<'_>) -> Result<()> {
+        let ([width, height], layer) = (self.size_m, self.layer_m);
+        let bands = [
+            [0.0, 0.0, width, layer],
+            [0.0, height - layer, width, height],
+            [0.0, layer, layer, height - layer],
+            [width - layer, layer, width, height - layer],
+        ];
+        for [x0, y0, x1, y1] in bands {
+            axes.area(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour::SKY, 0.35)?;
+        }
+        Ok(())
+    }
+}
+
+/// The points of a drive path in `drive.csv`.
+///
+/// # Errors
+/// When the table lacks the path or its columns.
+pub fn drive_points(drive: &Table, path: &str) -> Result<Vec<(f64, f64)>> {
+    let rows = drive.only("path", path)?;
+    Ok(rows
+        .numbers("x_m")?
+        .into_iter()
+        .zip(rows.numbers("y_m")?)
+        .collect())
+}
+
+/// Draws a path with a disc at its start and a square at its end.
+///
+/// # Errors
+/// When the canvas refuses.
+pub fn path(axes: &Axes<'_>, points: &[(f64, f64)], stroke: Stroke) -> Result<()> {
+    axes.curve(points, stroke)?;
+    if let (Some(first), Some(last)) = (points.first(), points.last()) {
+        axes.markers(&[*first], Marker::Disc, 20.0, stroke.colour)?;
+        axes.markers(&[*last], Marker::Square, 17.0, stroke.colour)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,165 @@
+//! The figures. Each is drawn from the data files of a results folder alone; nothing is computed by the localizer here.
+
+pub mod axes;
+pub mod canvas;
+pub mod colour;
+pub mod layout;
+
+mod error_distribution;
+mod estimated_paths;
+mod noise;
+mod periods;
+mod reflections;
+mod scene_and_map;
+mod speeds;
+mod step_time;
+mod window_size;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use plotters::style::RGBColor;
+
+use canvas::Stroke;
+
+/// A figure: its file name without ending, the data files it needs, and how it is drawn.
+struct Figure {
+    name: &'static str,
+    needs: &'static [&'static str],
+    draw: fn(data: &Path, picture: &Path) -> Result<()>,
+}
+
+const FIGURES: &[Figure] = &[
+    Figure {
+        name: "fig04_scene_and_map",
+        needs: &["layout.json", "drive.csv", "map.npy", "map.json"],
+        draw: scene_and_map::draw,
+    },
+    Figure {
+        name: "fig05_speeds",
+        needs: &["drive.csv"],
+        draw: speeds::draw,
+    },
+    Figure {
+        name: "fig06_paths",
+        needs: &["layout.json", "drift_paths.csv", "drive.csv"],
+        draw: estimated_paths::draw,
+    },
+    Figure {
+        name: "fig06_cdf",
+        needs: &["drift_paths.csv"],
+        draw: error_distribution::draw,
+    },
+    Figure {
+        name: "fig07_window",
+        needs: &["window_size.csv"],
+        draw: window_size::draw,
+    },
+    Figure {
+        name: "fig08_reflections",
+        needs: &["reflections.npy", "reflections.json", "rays.csv"],
+        draw: reflections::draw,
+    },
+    Figure {
+        name: "fig09_snr",
+        needs: &["snr.csv"],
+        draw: noise::draw,
+    },
+    Figure {
+        name: "fig17_step_time",
+        needs: &["step_time.csv"],
+        draw: step_time::draw,
+    },
+    Figure {
+        name: "fig_periods",
+        needs: &[
+            "layout.json",
+            "drive.csv",
+            "periods.csv",
+            "periods_paths.csv",
+        ],
+        draw: periods::draw,
+    },
+];
+
+/// What became of a figure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Drawn {
+    /// It was drawn into this file.
+    Picture(PathBuf),
+    /// It was left out because this data file is not there.
+    Missing {
+        /// Name of the figure.
+        figure: String,
+        /// The file that is missing.
+        file: PathBuf,
+    },
+}
+
+/// Draws every figure whose data is in `results/data` into `results/figures`.
+///
+/// # Errors
+/// When a data file is damaged or a picture cannot be written.
+pub fn draw_all(results: &Path) -> Result<Vec<Drawn>> {
+    let data = results.join("data");
+    FIGURES
+        .iter()
+        .map(|figure| {
+            let missing = figure
+                .needs
+                .iter()
+                .map(|name| data.join(name))
+                .find(|path| !path.exists());
+            if let Some(file) = missing {
+                let figure = figure.name.to_string();
+                return Ok(Drawn::Missing { figure, file });
+            }
+            let picture = results.join("figures").join(format!("{}.png", figure.name));
+            (figure.draw)(&data, &picture)?;
+            Ok(Drawn::Picture(picture))
+        })
+        .collect()
+}
+
+/// How a localization method is drawn in every figure: line, marker colour and name.
+fn method_style(method: &str) -> (Stroke, &'static str) {
+    let line = |colour: RGBColor, width| Stroke::solid(colour, width);
+    match method {
+        "doppler" => (line(colour::BLUE, 5.0), "Doppler"),
+        "toa-only" => (
+            line(colour::ORANGE, 5.0).dashed(&[22.0, 9.0, 5.0, 9.0]),
+            "ToA only",
+        ),
+        "odometry" => (
+            line(colour::VERMILLION, 5.0).dashed(&[6.0, 9.0]),
+            "odometry",
+        ),
+        _ => (line(colour::BLACK, 3.0), "truth"),
+    }
+}
+
+/// Mean over the trials of each cell of a study: (cell, mean, interval), for the rows of `table` grouped by `key`.
+fn means_by(
+    table: &crate::table::Table,
+    key: &str,
+    value: &str,
+) -> Result<Vec<(f64, f64, [f64; 2])>> {
+    let mut cells: Vec<(f64, Vec<f64>)> = Vec::new();
+    for (cell, number) in table.numbers(key)?.into_iter().zip(table.numbers(value)?) {
+        match cells.iter_mut().find(|(known, _)| *known == cell) {
+            Some((_, numbers)) => numbers.push(number),
+            None => cells.push((cell, vec![number])),
+        }
+    }
+    cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(cells
+        .into_iter()
+        .map(|(cell, numbers)| {
+            (
+                cell,
+                crate::metrics::mean(&numbers),
+                crate::metrics::bootstrap_interval(&numbers),
+            )
+        })
+        .collect())
+}

@@ -1,0 +1,86 @@
+//! Figure 4: walls and drive paths of the scene, and the map image that the mapping drive gave.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+
+use super::axes::{Entry, TITLE, legend};
+use super::canvas::{self, Stroke};
+use super::colour;
+use super::layout::{Layout, drive_points, path};
+use crate::metrics::quantile;
+use crate::table::Table;
+
+/// Where the pixels of `map.npy` lie, as written to `map.json` of the data folder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct MapPlace {
+    /// Centre of the pixel at row 0, column 0, metres.
+    pub(crate) origin_m: [f64; 2],
+    /// Width of a pixel, metres.
+    pub(crate) cell_m: f64,
+}
+
+/// Draws the figure.
+///
+/// # Errors
+/// When a data file is missing or damaged, or the picture cannot be written.
+pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
+    let layout = Layout::read(data)?;
+    let drive = Table::read(&data.join("drive.csv"))?;
+    let map_path = data.join("map.npy");
+    let map: ndarray::Array2<f32> =
+        ndarray_npy::read_npy(&map_path).with_context(|| map_path.display().to_string())?;
+    let place_path = data.join("map.json");
+    let place: MapPlace = serde_json::from_str(&std::fs::read_to_string(&place_path)?)
+        .with_context(|| place_path.display().to_string())?;
+    let tracks = [
+        (
+            "mapping",
+            Stroke::solid(colour::GREEN, 3.5).dashed(&[16.0, 8.0]),
+        ),
+        ("localization", Stroke::solid(colour::BLUE, 5.0)),
+    ];
+    canvas::draw(picture, 1800, 1010, |sheet| {
+        let title = "The scene, and the image of its walls that echoes alone give";
+        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        let left = layout.axes(sheet, [120.0, 120.0, 860.0, 860.0]);
+        left.grid()?;
+        layout.layer(&left)?;
+        layout.walls(&left, Stroke::solid(colour::BLACK, 7.0))?;
+        for (name, stroke) in tracks {
+            path(&left, &drive_points(&drive, name)?, stroke)?;
+        }
+        left.finish("(a) rigid walls and drives")?;
+        let mut entries = vec![Entry {
+            stroke: Some(Stroke::solid(colour::BLACK, 8.0)),
+            marker: None,
+            text: "wall".to_string(),
+        }];
+        entries.extend(tracks.map(|(name, stroke)| Entry {
+            stroke: Some(stroke),
+            marker: None,
+            text: format!("{name} drive"),
+        }));
+        legend(sheet, [60.0, 953.0], 900.0, &entries)?;
+
+        let right = layout.axes(sheet, [980.0, 120.0, 1640.0, 860.0]);
+        let (rows, columns) = map.dim();
+        let low = place.origin_m.map(|origin| origin - 0.5 * place.cell_m);
+        let spans = [
+            [low[0], low[0] + columns as f64 * place.cell_m],
+            [low[1], low[1] + rows as f64 * place.cell_m],
+        ];
+        let values: Vec<f64> = map.iter().map(|value| f64::from(*value)).collect();
+        let greatest = quantile(&values, 1.0).max(f64::MIN_POSITIVE);
+        let shown = map.mapv(|value| (f64::from(value) / greatest) as f32);
+        let scale = [0.0, quantile(&values, 0.999) / greatest];
+        right.image(shown.view(), spans, scale)?;
+        layout.walls(
+            &right,
+            Stroke::solid(plotters::style::WHITE, 3.0).dashed(&[10.0, 10.0]),
+        )?;
+        right.finish("(b) map image (dashed: true walls)")?;
+        right.colour_bar(scale, "reflected intensity / maximum")
+    })
+}

@@ -1,0 +1,76 @@
+//! Figure 5: speeds of the localization drive, true and as the wheels report them.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::axes::{Axes, Axis, Entry, TITLE, legend};
+use super::canvas::{self, Stroke};
+use super::colour;
+use crate::table::Table;
+
+/// Draws the figure.
+///
+/// # Errors
+/// When the data file is missing or damaged, or the picture cannot be written.
+pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
+    let drive = Table::read(&data.join("drive.csv"))?.only("path", "localization")?;
+    let time = drive.numbers("t_s")?;
+    let end = time.last().copied().unwrap_or(1.0);
+    let bias = drive
+        .numbers("omega_odometry_radps")?
+        .iter()
+        .zip(drive.numbers("omega_radps")?)
+        .map(|(measured, truth)| measured - truth)
+        .sum::<f64>()
+        / drive.len().max(1) as f64;
+    let measured = Stroke::solid(colour::VERMILLION, 5.0).dashed(&[20.0, 10.0]);
+    let truth = Stroke::solid(colour::BLACK, 3.0);
+    canvas::draw(picture, 1600, 1100, |sheet| {
+        let title = format!("Wheel odometry turns {bias:.3} rad/s too fast during the whole drive");
+        sheet.text(
+            &title,
+            [0.5 * sheet.width, 20.0],
+            (0, 1),
+            TITLE,
+            true,
+            false,
+        )?;
+        let panels = [
+            (
+                "(a) linear speed",
+                "speed v [m/s]",
+                "v_mps",
+                "v_odometry_mps",
+            ),
+            (
+                "(b) angular speed",
+                "turn rate \u{3c9} [rad/s]",
+                "omega_radps",
+                "omega_odometry_radps",
+            ),
+        ];
+        for (index, (name, label, true_column, odometry_column)) in panels.into_iter().enumerate() {
+            let top = 185.0 + 450.0 * index as f64;
+            let values = [drive.numbers(true_column)?, drive.numbers(odometry_column)?];
+            let y = Axis::around(values.iter().flatten().copied(), 0.08, label);
+            let frame = [190.0, top, 1550.0, top + 300.0];
+            let axes = Axes::new(sheet, frame, Axis::new(0.0, end, "time [s]"), y);
+            axes.grid()?;
+            for (numbers, stroke) in values.iter().zip([truth, measured]) {
+                let points: Vec<(f64, f64)> =
+                    time.iter().copied().zip(numbers.iter().copied()).collect();
+                axes.curve(&points, stroke)?;
+            }
+            axes.finish(name)?;
+        }
+        let entries =
+            [(truth, "truth"), (measured, "wheel odometry")].map(|(stroke, text)| Entry {
+                stroke: Some(stroke),
+                marker: None,
+                text: text.to_string(),
+            });
+        legend(sheet, [190.0, 82.0], 1300.0, &entries)?;
+        Ok(())
+    })
+}

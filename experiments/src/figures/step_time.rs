@@ -1,0 +1,98 @@
+//! Figure 17: compute time of one step, Doppler bank and particle filter.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::axes::{Axes, Axis, Entry, TITLE, legend};
+use super::canvas::{self, Marker, Stroke};
+use super::colour;
+use crate::metrics::{cumulative_distribution, quantile};
+use crate::table::Table;
+
+/// Draws the figure.
+///
+/// # Errors
+/// When the data file is missing or damaged, or the picture cannot be written.
+pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
+    let table = Table::read(&data.join("step_time.csv"))?;
+    let bank = table.only("stage", "doppler_bank")?.numbers("time_ms")?;
+    let filter = table.only("stage", "filter")?;
+    let mut cells = Vec::new();
+    for width in filter.distinct("half_width_m")? {
+        let rows = filter.only("half_width_m", &width)?;
+        let times = rows.numbers("time_ms")?;
+        let half_width_m = rows
+            .numbers("half_width_m")?
+            .first()
+            .copied()
+            .unwrap_or(0.0);
+        cells.push((
+            half_width_m,
+            [0.05, 0.5, 0.95].map(|share| quantile(&times, share)),
+        ));
+    }
+    let median = quantile(&bank, 0.5);
+    let blue = Stroke::solid(colour::BLUE, 5.0);
+    let green = Stroke::solid(colour::GREEN, 5.0).dashed(&[22.0, 10.0]);
+    canvas::draw(picture, 1800, 960, |sheet| {
+        let slowest = cells.iter().map(|cell| cell.1[1]).fold(0.0, f64::max) + median;
+        let title = format!("One step takes {slowest:.1} ms at most; real time allows 102.3 ms");
+        sheet.text(
+            &title,
+            [0.5 * sheet.width, 20.0],
+            (0, 1),
+            TITLE,
+            true,
+            false,
+        )?;
+        let left = Axes::new(
+            sheet,
+            [170.0, 210.0, 870.0, 830.0],
+            Axis::new(
+                0.0,
+                1.1 * quantile(&bank, 0.99).max(1e-3),
+                "time of the Doppler bank [ms]",
+            ),
+            Axis::new(0.0, 1.0, "share of steps below"),
+        );
+        left.grid()?;
+        left.curve(&cumulative_distribution(&bank, 301), blue)?;
+        left.finish("(a) Doppler bank")?;
+        let highest = cells.iter().map(|cell| cell.1[2]).fold(1e-3, f64::max);
+        let right = Axes::new(
+            sheet,
+            [1050.0, 210.0, 1750.0, 830.0],
+            Axis::around(
+                cells.iter().map(|cell| cell.0),
+                0.06,
+                "half-width of the window [m]",
+            ),
+            Axis::new(0.0, 1.1 * highest, "time of the filter [ms]"),
+        );
+        right.grid()?;
+        let curve: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1[1])).collect();
+        let bars: Vec<(f64, f64, f64)> = cells
+            .iter()
+            .map(|cell| (cell.0, cell.1[0], cell.1[2]))
+            .collect();
+        right.curve(&curve, green)?;
+        right.whiskers(&bars, green.colour)?;
+        right.markers(&curve, Marker::Triangle, 18.0, green.colour)?;
+        right.finish("(b) particle filter")?;
+        let entries = [
+            Entry {
+                stroke: Some(blue),
+                marker: None,
+                text: format!("bank: median {median:.1} ms (paper 32 ms)"),
+            },
+            Entry {
+                stroke: Some(green),
+                marker: Some((Marker::Triangle, green.colour)),
+                text: "filter: median, bars 5\u{2013}95 % (paper 57 ms at 3 m)".to_string(),
+            },
+        ];
+        legend(sheet, [170.0, 85.0], 1620.0, &entries)?;
+        Ok(())
+    })
+}

@@ -1,0 +1,82 @@
+//! Figure 7: mean position error over the half-width of the matched window, whole and enlarged.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::axes::{Axes, Axis, Entry, TITLE, legend};
+use super::canvas::{self, Marker};
+use super::{means_by, method_style};
+use crate::table::Table;
+
+/// Draws the figure.
+///
+/// # Errors
+/// When the data file is missing or damaged, or the picture cannot be written.
+pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
+    let table = Table::read(&data.join("window_size.csv"))?;
+    let cells = means_by(&table, "half_width_m", "mae_m")?;
+    let best = cells.iter().min_by(|a, b| a.1.total_cmp(&b.1)).copied();
+    let (best_m, best_mae, _) = best.unwrap_or((0.0, 0.0, [0.0; 2]));
+    let (stroke, _) = method_style("doppler");
+    let curve: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1)).collect();
+    let whiskers: Vec<(f64, f64, f64)> = cells
+        .iter()
+        .map(|cell| (cell.0, cell.2[0], cell.2[1]))
+        .collect();
+    let x = Axis::around(
+        curve.iter().map(|point| point.0),
+        0.06,
+        "half-width of the window [m]",
+    );
+    let highest = whiskers.iter().map(|bar| bar.2).fold(0.0, f64::max);
+    let lowest = whiskers
+        .iter()
+        .map(|bar| bar.1)
+        .fold(f64::INFINITY, f64::min);
+    let close: Vec<f64> = whiskers
+        .iter()
+        .filter(|bar| bar.1 < 2.2 * best_mae)
+        .map(|bar| bar.2.min(2.4 * best_mae))
+        .chain([lowest])
+        .collect();
+    canvas::draw(picture, 1800, 960, |sheet| {
+        let title =
+            format!("The matched window has a best size: {best_m:.1} m gives {best_mae:.3} m");
+        sheet.text(
+            &title,
+            [0.5 * sheet.width, 20.0],
+            (0, 1),
+            TITLE,
+            true,
+            false,
+        )?;
+        let panels = [
+            (
+                "(a) whole",
+                Axis::new(0.0, 1.06 * highest, "MAE of position [m]"),
+            ),
+            (
+                "(b) enlarged",
+                Axis::around(close, 0.1, "MAE of position [m]"),
+            ),
+        ];
+        for (index, (name, y)) in panels.into_iter().enumerate() {
+            let left = 170.0 + 880.0 * index as f64;
+            let axes = Axes::new(sheet, [left, 210.0, left + 700.0, 830.0], x.clone(), y);
+            axes.grid()?;
+            axes.curve(&curve, stroke)?;
+            axes.whiskers(&whiskers, stroke.colour)?;
+            axes.markers(&curve, Marker::Disc, 18.0, stroke.colour)?;
+            axes.finish(name)?;
+        }
+        let trials = table.distinct("trial")?.len();
+        let entry = Entry {
+            stroke: Some(stroke),
+            marker: Some((Marker::Disc, stroke.colour)),
+            text: format!("Doppler, mean of {trials} trials; bars: 95 % interval of the mean"),
+        };
+        legend(sheet, [170.0, 85.0], 1500.0, &[entry])?;
+        Ok(())
+    })
+}

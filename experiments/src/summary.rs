@@ -1,0 +1,190 @@
+//! Every number that a figure, the README or a check rests on: `results/<preset>/summary.json`.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+
+use crate::atomic;
+use crate::metrics::Accuracy;
+use crate::preset::Preset;
+use crate::provenance::Provenance;
+
+/// The summary of a preset; a part that no study has filled yet is absent.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Summary {
+    /// The preset.
+    pub preset: Preset,
+    /// Where and how it was computed.
+    pub provenance: Provenance,
+    /// Correction of the drift of wheel odometry (Fig. 6).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub odometry_drift: Option<Methods>,
+    /// Accuracy over the half-width of the matched window (Fig. 7).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub window_size: Vec<WindowCell>,
+    /// Accuracy over the signal-to-noise ratio (Fig. 9).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub snr: Vec<NoiseCell>,
+    /// Accuracy over the number of periods in a block (2023 abstract).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub periods: Vec<PeriodsCell>,
+    /// Distances of the echoes by ray theory and by measurement (Fig. 8).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reflections: Option<Reflections>,
+    /// The field's scheme and speed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub engine: Option<Engine>,
+    /// Accuracy with other schemes of the field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub schemes: Option<Schemes>,
+    /// Compute time of one step (Fig. 17).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step_time_ms: Option<StepTime>,
+}
+
+/// Accuracy of the three methods on the same drive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Methods {
+    /// Echoes in range and bearing.
+    pub doppler: Accuracy,
+    /// Echoes in range only.
+    pub toa_only: Accuracy,
+    /// Wheel odometry alone.
+    pub odometry: Accuracy,
+}
+
+/// Accuracy at one half-width of the window.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WindowCell {
+    /// Half-width N_W dx_m, metres.
+    pub half_width_m: f64,
+    /// Accuracy of the Doppler method.
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
+}
+
+/// Accuracy at one signal-to-noise ratio.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NoiseCell {
+    /// Ratio of the power of the reflected signal to the power of the noise, decibels.
+    pub snr_db: f64,
+    /// Accuracy of the Doppler method.
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
+}
+
+/// Accuracy with one number of periods.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PeriodsCell {
+    /// Periods M in a block.
+    pub m: usize,
+    /// Accuracy of the Doppler method.
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
+}
+
+/// Echo distances.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reflections {
+    /// Greatest round-trip distance of single and corner reflections during the drive by ray theory, metres.
+    pub farthest_usable_m: f64,
+    /// Mean level of the measured intensity at ray distances of single and corner reflections over its mean elsewhere, decibels.
+    pub ray_contrast_db: f64,
+}
+
+/// Speed of the field computation on this scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Engine {
+    /// Scheme of the scene.
+    pub scheme: String,
+    /// Updated cells per second with all threads, 10^9.
+    pub gcells_per_s: f64,
+    /// The same with the standard leapfrog scheme.
+    pub slf_gcells_per_s: f64,
+    /// Threads used.
+    pub threads: usize,
+    /// Memory of the simulation, bytes.
+    pub memory_bytes: u64,
+}
+
+/// Accuracy by scheme of the field; the scene's own scheme is `odometry_drift`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Schemes {
+    /// Standard leapfrog, the papers' scheme.
+    pub slf: SchemeAccuracy,
+}
+
+/// Accuracy of the filter methods with one scheme.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SchemeAccuracy {
+    /// Echoes in range and bearing.
+    pub doppler: Accuracy,
+    /// Echoes in range only.
+    pub toa_only: Accuracy,
+}
+
+/// Median compute times of one step on one thread, milliseconds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepTime {
+    /// Doppler bank of one block, eqs. (1)-(3).
+    pub doppler_bank: f64,
+    /// Particle filter at the default window, eqs. (8)-(18).
+    pub filter: f64,
+    /// Particle filter by half-width of the window.
+    pub filter_by_window: Vec<FilterTime>,
+}
+
+/// Compute time of the filter at one half-width of the window.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FilterTime {
+    /// Half-width N_W dx_m, metres.
+    pub half_width_m: f64,
+    /// Median, milliseconds.
+    pub median_ms: f64,
+}
+
+impl Summary {
+    /// A summary without studies.
+    pub fn new(preset: Preset) -> Self {
+        Self {
+            preset,
+            provenance: Provenance::here(),
+            odometry_drift: None,
+            window_size: Vec::new(),
+            snr: Vec::new(),
+            periods: Vec::new(),
+            reflections: None,
+            engine: None,
+            schemes: None,
+            step_time_ms: None,
+        }
+    }
+
+    /// Reads a summary.
+    ///
+    /// # Errors
+    /// When the file cannot be read or is no summary.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        serde_json::from_str(&text).with_context(|| format!("{}: is no summary", path.display()))
+    }
+
+    /// Writes the summary, indented.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let mut text = serde_json::to_string_pretty(self)?;
+        text.push('\n');
+        atomic::write(path, text.as_bytes())
+    }
+}

@@ -115,37 +115,45 @@ impl SampledCourse {
     }
 }
 
+/// Knot slopes of the C2 cubic splines through `values`, see [`axis_slopes`].
+fn spline_slopes(knots_s: &[f64], values: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let along = |axis: usize| {
+        let column: Vec<f64> = values.iter().map(|value| value[axis]).collect();
+        axis_slopes(knots_s, &column)
+    };
+    let (x, y, heading) = (along(0), along(1), along(2));
+    (0..knots_s.len())
+        .map(|i| [x[i], y[i], heading[i]])
+        .collect()
+}
+
 /// Knot slopes of the C2 cubic spline through `values`, with the end slopes of the parabola through the three outermost
 /// knots (of the line for two knots).
-fn spline_slopes(knots_s: &[f64], values: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let count = knots_s.len();
+fn axis_slopes(knots_s: &[f64], values: &[f64]) -> Vec<f64> {
+    let last = knots_s.len() - 1;
     let span = |i: usize| knots_s[i + 1] - knots_s[i];
-    let chord = |i: usize, axis: usize| (values[i + 1][axis] - values[i][axis]) / span(i);
-    let mut slopes = vec![[0.0; 3]; count];
-    for axis in 0..3 {
-        if count == 2 {
-            slopes[0][axis] = chord(0, axis);
-            slopes[1][axis] = chord(0, axis);
-            continue;
-        }
-        let end = |near: usize, far: usize| {
-            let (h0, h1) = (span(near), span(far));
-            ((2.0 * h0 + h1) * chord(near, axis) - h0 * chord(far, axis)) / (h0 + h1)
-        };
-        slopes[0][axis] = end(0, 1);
-        slopes[count - 1][axis] = end(count - 2, count - 3);
-        // Thomas's algorithm on h1 m[i-1] + 2 (h0 + h1) m[i] + h0 m[i+1] = 3 (h1 c[i-1] + h0 c[i]).
-        let mut upper = vec![0.0; count];
-        for i in 1..count - 1 {
-            let (h0, h1) = (span(i - 1), span(i));
-            let right = 3.0 * (h1 * chord(i - 1, axis) + h0 * chord(i, axis));
-            let pivot = 2.0 * (h0 + h1) - h1 * upper[i - 1];
-            upper[i] = h0 / pivot;
-            slopes[i][axis] = (right - h1 * slopes[i - 1][axis]) / pivot;
-        }
-        for i in (1..count - 1).rev() {
-            slopes[i][axis] -= upper[i] * slopes[i + 1][axis];
-        }
+    let chord = |i: usize| (values[i + 1] - values[i]) / span(i);
+    if last == 1 {
+        return vec![chord(0); 2];
+    }
+    let end = |near: usize, far: usize| {
+        let (h0, h1) = (span(near), span(far));
+        ((2.0 * h0 + h1) * chord(near) - h0 * chord(far)) / (h0 + h1)
+    };
+    let mut slopes = vec![0.0; last + 1];
+    let mut upper = vec![0.0; last + 1];
+    slopes[0] = end(0, 1);
+    slopes[last] = end(last - 1, last - 2);
+    // Thomas's algorithm on h1 m[i-1] + 2 (h0 + h1) m[i] + h0 m[i+1] = 3 (h1 c[i-1] + h0 c[i]).
+    for i in 1..last {
+        let (h0, h1) = (span(i - 1), span(i));
+        let right = 3.0 * (h1 * chord(i - 1) + h0 * chord(i));
+        let pivot = 2.0 * (h0 + h1) - h1 * upper[i - 1];
+        upper[i] = h0 / pivot;
+        slopes[i] = (right - h1 * slopes[i - 1]) / pivot;
+    }
+    for i in (1..last).rev() {
+        slopes[i] -= upper[i] * slopes[i + 1];
     }
     slopes
 }

@@ -1,0 +1,284 @@
+//! The scene file as written: flat structs that deny unknown fields.
+
+use super::locate::describe;
+use super::{Robot, Scene, WaveformSpec};
+use crate::error::Error;
+use crate::grid::{Grid, Medium};
+use crate::motion::{DriveLimits, DrivePath, Leg, MotionState, relocate};
+use crate::scheme::Scheme;
+use crate::spread::Spread;
+use crate::walls::Wall;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A scene: medium, grid, absorbing layer, rigid walls, waveform, robot and named drive paths. SI units, radians; x right, y up,
+/// origin at the lower left corner of the domain.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Scene")]
+pub(super) struct SceneFile {
+    /// The schema this file follows, for editors; not read.
+    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    _schema: Option<String>,
+    /// Short name, for titles.
+    name: String,
+    /// What the scene shows.
+    #[serde(default)]
+    description: String,
+    /// The air.
+    #[serde(default)]
+    medium: MediumFile,
+    /// Size and step of the grid.
+    grid: GridFile,
+    /// Width of the absorbing layer on each of the four sides, in cells.
+    #[serde(default = "default_layer_cells")]
+    layer_cells: usize,
+    /// Finite-difference scheme.
+    #[serde(default = "default_scheme")]
+    scheme: Scheme,
+    /// Spreading of the moving source and interpolation at the moving receiver.
+    #[serde(default = "default_spread")]
+    spread: Spread,
+    /// Rigid walls.
+    #[serde(default)]
+    walls: Vec<WallFile>,
+    /// What the loudspeaker repeats.
+    #[serde(default)]
+    waveform: WaveformSpec,
+    /// Sampling rate of the microphone signal in hertz.
+    #[serde(default = "default_sample_rate_hz")]
+    sample_rate_hz: f64,
+    /// Where loudspeaker and microphone sit on the robot.
+    #[serde(default)]
+    robot: Robot,
+    /// Drives by name (letters, digits, `_` and `-`).
+    #[serde(default)]
+    paths: BTreeMap<String, PathFile>,
+}
+
+/// A homogeneous fluid at rest.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+struct MediumFile {
+    /// Speed of sound in m/s.
+    c_mps: f64,
+    /// Density in kg/m^3.
+    rho_kgpm3: f64,
+}
+
+impl Default for MediumFile {
+    fn default() -> Self {
+        Self {
+            c_mps: 340.0,
+            rho_kgpm3: 1.293,
+        }
+    }
+}
+
+/// Size and step of the grid; the domain is `[0, nx dx] x [0, ny dx]` and includes the absorbing layer.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct GridFile {
+    /// Cells along x.
+    nx: usize,
+    /// Cells along y.
+    ny: usize,
+    /// Cell width in metres.
+    dx_m: f64,
+    /// Time step in seconds.
+    dt_s: f64,
+}
+
+/// A rigid wall along a polyline.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct WallFile {
+    /// Corner points `[x, y]` of the middle line in metres; the first again at the end closes the wall.
+    points_m: Vec<[f64; 2]>,
+    /// Thickness in metres.
+    #[serde(default = "default_thickness_m")]
+    thickness_m: f64,
+}
+
+/// A drive: either `start` and `legs`, or `file`.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct PathFile {
+    /// Pose (and speeds, by default zero) at time 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    start: Option<StartFile>,
+    /// Commands, one after the other.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    legs: Option<Vec<LegFile>>,
+    /// How fast the speed follows its commands, in m/s^2 (default 0.5).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    acceleration_mps2: Option<f64>,
+    /// How fast the turn rate follows its commands, in rad/s^2 (default 1.0).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    angular_acceleration_radps2: Option<f64>,
+    /// File of poses beside the scene file: `*.csv` with the header `t_s,x_m,y_m,heading_rad`, or a TUM trajectory.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
+}
+
+/// Where a drive begins.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct StartFile {
+    /// Position in metres.
+    x_m: f64,
+    /// Position in metres.
+    y_m: f64,
+    /// Heading in radians, counter-clockwise from +x.
+    heading_rad: f64,
+    /// Speed at time 0 in m/s.
+    #[serde(default)]
+    v_mps: f64,
+    /// Turn rate at time 0 in rad/s.
+    #[serde(default)]
+    omega_radps: f64,
+}
+
+/// A command: drive at this speed and turn rate for this long.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct LegFile {
+    /// Duration in seconds, including the time to reach the commanded speeds.
+    duration_s: f64,
+    /// Commanded speed along the heading in m/s.
+    v_mps: f64,
+    /// Commanded turn rate in rad/s, counter-clockwise.
+    omega_radps: f64,
+}
+
+fn default_layer_cells() -> usize {
+    20
+}
+
+fn default_scheme() -> Scheme {
+    Scheme::M13
+}
+
+fn default_spread() -> Spread {
+    Spread::Kaiser8
+}
+
+fn default_sample_rate_hz() -> f64 {
+    40e3
+}
+
+fn default_thickness_m() -> f64 {
+    0.02
+}
+
+impl SceneFile {
+    /// Parses the text; the error names the field's path and place in the text.
+    pub(super) fn parse(text: &str, origin: &Path) -> Result<Self, Error> {
+        // Editors of some systems put a byte order mark before the text.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        serde_json::from_str(text).map_err(|error| describe(text, &error, origin))
+    }
+
+    /// Builds the scene; only what concerns a single path is checked here, see [`Scene::check`] for the rest.
+    pub(super) fn into_scene(self, origin: &Path) -> Result<Scene, Error> {
+        let mut paths = BTreeMap::new();
+        for (name, path) in self.paths {
+            let path = path.into_path(&name, origin)?;
+            paths.insert(name, path);
+        }
+        let walls = self.walls.into_iter().map(|wall| Wall {
+            points_m: wall.points_m,
+            thickness_m: wall.thickness_m,
+        });
+        Ok(Scene {
+            name: self.name,
+            description: self.description,
+            medium: Medium {
+                c_mps: self.medium.c_mps,
+                rho_kgpm3: self.medium.rho_kgpm3,
+            },
+            grid: Grid {
+                nx: self.grid.nx,
+                ny: self.grid.ny,
+                dx_m: self.grid.dx_m,
+                dt_s: self.grid.dt_s,
+            },
+            layer_cells: self.layer_cells,
+            scheme: self.scheme,
+            spread: self.spread,
+            walls: walls.collect(),
+            waveform: self.waveform,
+            sample_rate_hz: self.sample_rate_hz,
+            robot: self.robot,
+            paths,
+        })
+    }
+}
+
+impl PathFile {
+    fn into_path(self, name: &str, origin: &Path) -> Result<DrivePath, Error> {
+        let plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-';
+        if name.is_empty() || !name.chars().all(plain) {
+            let problem = format!("{name:?} is not a name for a path");
+            return Err(Error::invalid(
+                origin.display(),
+                "paths",
+                problem,
+                "use letters, digits, `_` and `-`",
+            ));
+        }
+        let refuse = |problem: &str| {
+            let remedy = "give `start` and `legs`, or `file` alone";
+            Err(Error::invalid(
+                origin.display(),
+                format!("paths.{name}"),
+                problem,
+                remedy,
+            ))
+        };
+        let limited =
+            self.acceleration_mps2.is_some() || self.angular_acceleration_radps2.is_some();
+        match (self.start, self.legs, self.file) {
+            (None, None, Some(file)) if !limited => DrivePath::read(&origin.with_file_name(file)),
+            (Some(start), Some(legs), None) => {
+                let legs: Vec<Leg> = legs.iter().map(LegFile::leg).collect();
+                let usual = DriveLimits::default();
+                let limits = DriveLimits {
+                    acceleration_mps2: self.acceleration_mps2.unwrap_or(usual.acceleration_mps2),
+                    angular_acceleration_radps2: self
+                        .angular_acceleration_radps2
+                        .unwrap_or(usual.angular_acceleration_radps2),
+                };
+                DrivePath::from_legs(start.state(), &legs, limits)
+                    .map_err(|error| relocate(error, origin.display(), &format!("paths.{name}.")))
+            }
+            (_, _, Some(_)) => refuse("`file` stands beside fields of a commanded drive"),
+            (None, _, None) => refuse("`start` is missing"),
+            (Some(_), None, None) => refuse("`legs` is missing"),
+        }
+    }
+}
+
+impl StartFile {
+    fn state(&self) -> MotionState {
+        MotionState {
+            x_m: self.x_m,
+            y_m: self.y_m,
+            heading_rad: self.heading_rad,
+            v_mps: self.v_mps,
+            omega_radps: self.omega_radps,
+        }
+    }
+}
+
+impl LegFile {
+    fn leg(&self) -> Leg {
+        Leg {
+            duration_s: self.duration_s,
+            v_mps: self.v_mps,
+            omega_radps: self.omega_radps,
+        }
+    }
+}

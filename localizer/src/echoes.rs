@@ -1,0 +1,182 @@
+//! The echoes of a whole recording: H of every block, measured once and reused by maps and filters.
+
+use ndarray::{Array2, ArrayView2, aview1};
+use rayon::prelude::*;
+
+use crate::direct_wave::{self, DirectWaveEstimate};
+use crate::doppler::DopplerBank;
+use crate::error::Error;
+use crate::parameters::{DirectWave, Method, Parameters};
+use crate::pose::{Odometry, Pose};
+use crate::receiver::{mean_odometry, remove_direct};
+use crate::recording::Recording;
+use crate::trajectory::Trajectory;
+
+/// The echoes of one block of M periods.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EchoBlock {
+    /// Number of the block; it starts with this period of the recording.
+    pub index: usize,
+    /// Instant to which the echoes and the pose refer, in seconds.
+    pub t_s: f64,
+    /// Mean odometry over the block.
+    pub odometry: Odometry,
+    /// True when the robot was too slow for bearings: the block is not to be matched or mapped.
+    pub stationary: bool,
+    /// H of eqs. (1)-(3): `[direction, delay in samples]`, 1 for an echo of amplitude 1.
+    pub intensity: Array2<f32>,
+    /// Mean of `intensity` over the directions, for the range-only method.
+    pub mean_intensity: Vec<f32>,
+}
+
+/// The echoes of one recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EchoSequence {
+    /// The parameters with which they were measured.
+    pub parameters: Parameters,
+    /// One block per period, from the one that starts at time 0.
+    pub blocks: Vec<EchoBlock>,
+    /// Mean odometry of every period.
+    pub odometry: Vec<Odometry>,
+}
+
+impl EchoBlock {
+    /// A block before its measurement.
+    pub(crate) fn empty(bank: &DopplerBank) -> Self {
+        let intensity = bank.intensity();
+        Self {
+            index: 0,
+            t_s: 0.0,
+            odometry: Odometry::default(),
+            stationary: true,
+            mean_intensity: vec![0.0; intensity.ncols()],
+            intensity,
+        }
+    }
+
+    /// Sets what follows from the block's number and the odometry of its M periods.
+    pub(crate) fn set_motion(
+        &mut self,
+        parameters: &Parameters,
+        index: usize,
+        odometry: &[Odometry],
+    ) {
+        self.index = index;
+        self.t_s = (index as f64 + parameters.reference_periods()) * parameters.period_s();
+        self.odometry = mean_odometry(odometry, 0.0, parameters.periods as f64);
+        self.stationary = self.odometry.v_mps.abs() < parameters.min_speed_mps;
+    }
+
+    /// Averages the measured intensity over the directions.
+    pub(crate) fn set_mean(&mut self) {
+        self.mean_intensity.fill(0.0);
+        let scale = 1.0 / self.intensity.nrows() as f32;
+        for row in self.intensity.rows() {
+            for (mean, value) in self.mean_intensity.iter_mut().zip(row) {
+                *mean += scale * value;
+            }
+        }
+    }
+
+    /// What a method sees of the block: all directions, or one row that stands for all.
+    pub fn polar(&self, method: Method) -> ArrayView2<'_, f32> {
+        match method {
+            Method::ToaOnly => aview1(&self.mean_intensity).insert_axis(ndarray::Axis(0)),
+            Method::Doppler | Method::Odometry => self.intensity.view(),
+        }
+    }
+}
+
+impl EchoSequence {
+    /// The poses of a trajectory at the blocks' instants. Empty for an empty trajectory.
+    pub fn poses(&self, trajectory: &Trajectory) -> Vec<Pose> {
+        trajectory.poses_at(self.blocks.iter().map(|block| block.t_s))
+    }
+
+    /// The odometry that a filter needs for a block: that of its M periods, preceded by the period before if there is one.
+    pub fn recent_odometry(&self, block: usize) -> &[Odometry] {
+        let end = (block + self.parameters.periods).min(self.odometry.len());
+        &self.odometry[block.saturating_sub(1).min(end)..end]
+    }
+}
+
+/// Measures the echoes of every block of a recording, in parallel over the blocks, with the same result as one by one.
+///
+/// # Errors
+/// [`Error::Invalid`] when the parameters cannot be used, the recording has another waveform, rate or speed of sound than
+/// they say (see [`Parameters::for_recording`]), is shorter than M periods, does not pass [`Recording::check`], or has no
+/// `direct.wav` although `direct_wave` is free-field.
+pub fn measure(recording: &Recording, parameters: &Parameters) -> Result<EchoSequence, Error> {
+    let bank = DopplerBank::new(parameters)?;
+    if parameters.for_recording(&recording.meta) != *parameters {
+        let problem = "waveform, sample rate or speed of sound differ from recording.json";
+        return Err(Error::invalid(
+            "parameters",
+            "waveform",
+            problem,
+            "take those of the recording",
+        ));
+    }
+    recording.check("recording")?;
+    let period = parameters.samples_per_period();
+    let count = recording.signal.len() / period;
+    if count < parameters.periods {
+        let problem = format!(
+            "holds {count} whole periods, one block needs {}",
+            parameters.periods
+        );
+        return Err(Error::invalid(
+            "recording",
+            "signal.wav",
+            problem,
+            "record longer or choose fewer periods",
+        ));
+    }
+    let freed;
+    let signal = if parameters.direct_wave == DirectWave::FreeField {
+        freed = direct_wave::subtract_free_field(&recording.signal, recording.direct.as_deref())?;
+        &freed
+    } else {
+        &recording.signal
+    };
+    let odometry = recording.odometry_per_period(parameters.period_s(), count);
+    // The average is a matter of order and cheap; the bank is neither.
+    let directs = direct_periods(signal, parameters, count);
+    let blocks = directs
+        .par_iter()
+        .enumerate()
+        .map_init(
+            || (bank.scratch(), vec![0.0; bank.block_length()]),
+            |(scratch, freed), (index, direct)| {
+                let end = index + parameters.periods;
+                remove_direct(&signal[index * period..end * period], direct, freed);
+                let mut block = EchoBlock::empty(&bank);
+                block.set_motion(parameters, index, &odometry[index..end]);
+                bank.measure(freed, block.odometry.v_mps, scratch, &mut block.intensity);
+                block.set_mean();
+                block
+            },
+        )
+        .collect();
+    Ok(EchoSequence {
+        parameters: parameters.clone(),
+        blocks,
+        odometry,
+    })
+}
+
+/// The direct wave's estimate at the end of every block.
+fn direct_periods(signal: &[f32], parameters: &Parameters, count: usize) -> Vec<Vec<f32>> {
+    let period = parameters.samples_per_period();
+    let mut estimate = DirectWaveEstimate::new(parameters);
+    let mut directs = Vec::with_capacity(count + 1 - parameters.periods);
+    for (index, samples) in signal.chunks_exact(period).enumerate() {
+        estimate.push(samples);
+        if index + 1 >= parameters.periods {
+            let mut direct = vec![0.0; period];
+            estimate.write(&mut direct);
+            directs.push(direct);
+        }
+    }
+    directs
+}

@@ -1,0 +1,54 @@
+//! The error type of the library: every message names the file or field, what is wrong, and what would be accepted.
+
+use std::path::PathBuf;
+
+/// What can go wrong between a recording folder and a pose.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A field of an input has a value that cannot be used.
+    #[error("{origin}: {field}: {problem}; {remedy}")]
+    Invalid {
+        /// The file, or the argument's name when it did not come from one.
+        origin: String,
+        /// Path of the field, e.g. `line 12` or `sample_rate_hz`.
+        field: String,
+        /// What is wrong with it.
+        problem: String,
+        /// What would be accepted.
+        remedy: String,
+    },
+}
+
+impl Error {
+    /// An [`Error::Invalid`] from anything that prints.
+    pub fn invalid(
+        origin: impl std::fmt::Display,
+        field: impl std::fmt::Display,
+        problem: impl std::fmt::Display,
+        remedy: impl std::fmt::Display,
+    ) -> Self {
+        Self::Invalid {
+            origin: origin.to_string(),
+            field: field.to_string(),
+            problem: problem.to_string(),
+            remedy: remedy.to_string(),
+        }
+    }
+
+    /// An [`Error::Io`] that names its file.
+    pub fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
+        Self::Io {
+            path: path.into(),
+            source,
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! The streaming localizer: one period of samples in, one pose out.
+
+use crate::doppler::{DopplerBank, DopplerScratch};
+use crate::echoes::EchoBlock;
+use crate::error::Error;
+use crate::map_image::MapImage;
+use crate::parameters::{DirectWave, Parameters};
+use crate::pose::{Odometry, Pose};
+use crate::receiver::Receiver;
+use crate::tracker::{Estimate, Tracker};
+
+/// Follows a robot in a known map, period by period.
+pub struct Localizer {
+    parameters: Parameters,
+    receiver: Receiver,
+    bank: DopplerBank,
+    scratch: DopplerScratch,
+    block: EchoBlock,
+    tracker: Tracker,
+    map: MapImage,
+}
+
+impl Localizer {
+    /// A localizer for a robot that stands at `start` at time 0.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for parameters that cannot be used, a map with other cells, a start that is not finite, or
+    /// `direct_wave` free-field, which needs a second recording and so cannot stream.
+    pub fn new(
+        parameters: &Parameters,
+        map: MapImage,
+        start: Pose,
+        seed: u64,
+    ) -> Result<Self, Error> {
+        let bank = DopplerBank::new(parameters)?;
+        map.check(parameters)?;
+        if parameters.direct_wave == DirectWave::FreeField {
+            let remedy =
+                "subtract the free field from the samples and choose keep, or choose running-mean";
+            return Err(Error::invalid(
+                "parameters",
+                "direct_wave",
+                "free-field cannot stream",
+                remedy,
+            ));
+        }
+        Ok(Self {
+            receiver: Receiver::new(parameters),
+            scratch: bank.scratch(),
+            block: EchoBlock::empty(&bank),
+            tracker: Tracker::new(parameters, start, seed)?,
+            bank,
+            map,
+            parameters: parameters.clone(),
+        })
+    }
+
+    /// One step: takes in one period of samples and the mean odometry during it.
+    ///
+    /// Returns `None` until M periods have come in, then one estimate a step.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for another number of samples than one period, samples or speeds that are not finite, or a speed
+    /// above a tenth of that of sound. The step then has not taken place.
+    pub fn step(&mut self, samples: &[f32], odometry: Odometry) -> Result<Option<Estimate>, Error> {
+        // Section II-A: a block of the last M periods, one period further than the block before.
+        self.receiver.push(samples, odometry)?;
+        let index = self.receiver.block_index();
+        let Some((received, recent)) = self.receiver.block() else {
+            return Ok(None);
+        };
+        // Eqs. (1)-(3): resample for every direction, add up the periods, correlate, take the envelope.
+        self.block.set_motion(
+            &self.parameters,
+            index,
+            &recent[recent.len() - self.parameters.periods..],
+        );
+        self.bank.measure(
+            received,
+            self.block.odometry.v_mps,
+            &mut self.scratch,
+            &mut self.block.intensity,
+        );
+        self.block.set_mean();
+        // Eqs. (8)-(18): move the particles, weigh them by the map, take their mean, draw the next ones.
+        Ok(Some(self.tracker.update(&self.block, recent, &self.map)))
+    }
+
+    /// The echoes of the newest block.
+    pub fn echoes(&self) -> &EchoBlock {
+        &self.block
+    }
+
+    /// The particles and the map behind the estimates.
+    pub fn tracker(&self) -> &Tracker {
+        &self.tracker
+    }
+
+    /// The map.
+    pub fn map(&self) -> &MapImage {
+        &self.map
+    }
+}

@@ -1,0 +1,69 @@
+//! Poses in the plane and the speeds that change them.
+
+use std::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+/// Position and heading in the world frame.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pose {
+    /// Position to the right in metres.
+    pub x_m: f64,
+    /// Position upwards in metres.
+    pub y_m: f64,
+    /// Heading in radians, counter-clockwise from +x.
+    pub heading_rad: f64,
+}
+
+/// Speeds of a two-wheel robot, as its wheel encoders tell them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Odometry {
+    /// Speed along the heading in m/s, negative when reversing.
+    pub v_mps: f64,
+    /// Turning rate in rad/s, positive to the left.
+    pub omega_radps: f64,
+}
+
+impl Pose {
+    /// Distance between two positions in metres.
+    pub fn distance_m(&self, other: &Self) -> f64 {
+        (self.x_m - other.x_m).hypot(self.y_m - other.y_m)
+    }
+
+    /// True when no component is NaN or infinite.
+    pub fn is_finite(&self) -> bool {
+        self.x_m.is_finite() && self.y_m.is_finite() && self.heading_rad.is_finite()
+    }
+}
+
+/// The same angle in (-pi, pi].
+pub fn wrap_angle(angle_rad: f64) -> f64 {
+    if angle_rad > -PI && angle_rad <= PI {
+        return angle_rad;
+    }
+    let turned = angle_rad.rem_euclid(2.0 * PI);
+    if turned > PI {
+        turned - 2.0 * PI
+    } else {
+        turned
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_wrap_into_the_half_open_turn() {
+        assert_eq!(wrap_angle(PI), PI);
+        assert_eq!(wrap_angle(-PI), PI);
+        assert_eq!(wrap_angle(0.0), 0.0);
+        for k in -5..=5 {
+            let angle = 1.25 + 2.0 * PI * f64::from(k);
+            assert!((wrap_angle(angle) - 1.25).abs() < 1e-12);
+            assert!((wrap_angle(-angle) + 1.25).abs() < 1e-12);
+        }
+    }
+}

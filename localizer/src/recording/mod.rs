@@ -1,0 +1,309 @@
+//! A recording: what the microphone heard and what the wheels told during one drive.
+//!
+//! As a folder it holds `signal.wav` (mono), `odometry.csv` (`t_s,v_mps,omega_radps`), `recording.json`
+//! ([`RecordingMeta`]) and, if known, `truth.tum` (true poses) and `direct.wav` (the same drive without walls). Time 0 is
+//! the first sample, which is also the first of a period of the transmitted signal.
+
+pub mod odometry;
+pub mod wav;
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+pub use odometry::OdometrySample;
+
+use crate::error::Error;
+use crate::files;
+use crate::parameters::Parameters;
+use crate::pose::{Odometry, Pose};
+use crate::trajectory::Trajectory;
+
+/// What `recording.json` tells about a recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordingMeta {
+    /// Sampling frequency f_s of the signal in Hz.
+    pub sample_rate_hz: f64,
+    /// Chips L of the transmitted M-sequence.
+    pub code_length: usize,
+    /// Chip rate 1/T_c in Hz.
+    pub chip_rate_hz: f64,
+    /// Carrier frequency f_c in Hz.
+    pub carrier_hz: f64,
+    /// Speed of sound in m/s.
+    pub speed_of_sound_mps: f64,
+    /// Pose at time 0, if known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<Pose>,
+    /// Where the recording comes from, in any form.
+    #[serde(default, skip_serializing_if = "serde_json::Value::is_null")]
+    pub provenance: serde_json::Value,
+}
+
+impl RecordingMeta {
+    /// The waveform and the speed of sound of `parameters`, without start and provenance.
+    pub fn from_parameters(parameters: &Parameters) -> Self {
+        Self {
+            sample_rate_hz: parameters.sample_rate_hz,
+            code_length: parameters.code_length,
+            chip_rate_hz: parameters.chip_rate_hz,
+            carrier_hz: parameters.carrier_hz,
+            speed_of_sound_mps: parameters.speed_of_sound_mps,
+            start: None,
+            provenance: serde_json::Value::Null,
+        }
+    }
+}
+
+/// Signal, odometry and, if known, truth of one drive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// Microphone signal at f_s.
+    pub signal: Vec<f32>,
+    /// The same drive without walls, as long as `signal`.
+    pub direct: Option<Vec<f32>>,
+    /// Speeds over time, increasing in time.
+    pub odometry: Vec<OdometrySample>,
+    /// True poses.
+    pub truth: Option<Trajectory>,
+    /// Waveform, rate, speed of sound, start.
+    pub meta: RecordingMeta,
+}
+
+impl Recording {
+    /// Reads a recording folder.
+    ///
+    /// # Errors
+    /// [`Error`] with the file and the field that is missing, damaged, or does not fit the others.
+    pub fn read(folder: &Path) -> Result<Self, Error> {
+        if !folder.is_dir() {
+            let remedy = "give a folder with signal.wav, odometry.csv and recording.json";
+            return Err(Error::invalid(
+                folder.display(),
+                "recording",
+                "is not a folder",
+                remedy,
+            ));
+        }
+        let meta_path = folder.join("recording.json");
+        let meta: RecordingMeta = files::read_json(&meta_path)?;
+        Parameters::default()
+            .for_recording(&meta)
+            .check()
+            .map_err(|error| match error {
+                Error::Invalid {
+                    field,
+                    problem,
+                    remedy,
+                    ..
+                } => Error::invalid(meta_path.display(), field, problem, remedy),
+                other => other,
+            })?;
+        let signal = wav::read(&folder.join("signal.wav"), meta.sample_rate_hz)?;
+        let direct_path = folder.join("direct.wav");
+        let direct = if direct_path.exists() {
+            Some(wav::read(&direct_path, meta.sample_rate_hz)?)
+        } else {
+            None
+        };
+        let truth_path = folder.join("truth.tum");
+        let truth = if truth_path.exists() {
+            Some(Trajectory::read_tum(&truth_path)?)
+        } else {
+            None
+        };
+        let recording = Self {
+            signal,
+            direct,
+            odometry: odometry::read(&folder.join("odometry.csv"))?,
+            truth,
+            meta,
+        };
+        recording.check(&folder.display().to_string())?;
+        Ok(recording)
+    }
+
+    /// Writes a recording folder, making it if necessary. Every file is written under a temporary name and renamed.
+    ///
+    /// # Errors
+    /// [`Error`] when the recording does not pass [`Self::check`] or a file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+        self.check(&folder.display().to_string())?;
+        files::make_folder(folder)?;
+        wav::write(
+            &folder.join("signal.wav"),
+            &self.signal,
+            self.meta.sample_rate_hz,
+        )?;
+        if let Some(direct) = &self.direct {
+            wav::write(&folder.join("direct.wav"), direct, self.meta.sample_rate_hz)?;
+        }
+        if let Some(truth) = &self.truth {
+            truth.write_tum(&folder.join("truth.tum"))?;
+        }
+        odometry::write(&folder.join("odometry.csv"), &self.odometry)?;
+        files::write_json(&folder.join("recording.json"), &self.meta)
+    }
+
+    /// Checks that signal, direct wave and odometry fit together.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for samples that are not finite, a direct wave of another length, and odometry that is unsorted,
+    /// not finite, has gaps above one second, or does not cover the signal.
+    pub fn check(&self, origin: &str) -> Result<(), Error> {
+        for (name, samples) in [
+            ("signal.wav", Some(&self.signal)),
+            ("direct.wav", self.direct.as_ref()),
+        ] {
+            if let Some(place) =
+                samples.and_then(|samples| samples.iter().position(|sample| !sample.is_finite()))
+            {
+                let problem = format!("sample {place} is not a finite number");
+                return Err(Error::invalid(
+                    origin,
+                    name,
+                    problem,
+                    "repair or cut the recording",
+                ));
+            }
+        }
+        if let Some(direct) = &self.direct
+            && direct.len() != self.signal.len()
+        {
+            let problem = format!(
+                "has {} samples, signal.wav has {}",
+                direct.len(),
+                self.signal.len()
+            );
+            return Err(Error::invalid(
+                origin,
+                "direct.wav",
+                problem,
+                "make both equally long, or remove direct.wav",
+            ));
+        }
+        let fastest_mps = 0.1 * self.meta.speed_of_sound_mps;
+        odometry::check(&self.odometry, self.duration_s(), fastest_mps, origin)
+    }
+
+    /// Duration of the signal in seconds.
+    pub fn duration_s(&self) -> f64 {
+        self.signal.len() as f64 / self.meta.sample_rate_hz
+    }
+
+    /// Mean odometry of each of the first `count` periods of `period_s` seconds.
+    pub fn odometry_per_period(&self, period_s: f64, count: usize) -> Vec<Odometry> {
+        (0..count)
+            .map(|n| {
+                odometry::mean(
+                    &self.odometry,
+                    n as f64 * period_s,
+                    (n + 1) as f64 * period_s,
+                )
+            })
+            .collect()
+    }
+
+    /// The pose at time 0: the truth, else the start in `recording.json`, else the origin.
+    pub fn start_pose(&self) -> Pose {
+        let truth = self.truth.as_ref().and_then(|truth| truth.pose_at(0.0));
+        truth.or(self.meta.start).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recording() -> Recording {
+        let parameters = Parameters::default();
+        let sample = |t_s: f64| OdometrySample {
+            t_s,
+            v_mps: 0.3,
+            omega_radps: 0.01,
+        };
+        Recording {
+            signal: (0..8184).map(|k| (k as f32 * 0.3).sin()).collect(),
+            direct: Some(vec![0.25; 8184]),
+            odometry: (0..=5).map(|k| sample(0.05 * f64::from(k))).collect(),
+            truth: Some(Trajectory {
+                t_s: vec![0.0],
+                poses: vec![Pose {
+                    x_m: 1.0,
+                    y_m: 2.0,
+                    heading_rad: 0.5,
+                }],
+            }),
+            meta: RecordingMeta {
+                start: Some(Pose::default()),
+                ..RecordingMeta::from_parameters(&parameters)
+            },
+        }
+    }
+
+    #[test]
+    fn a_folder_is_read_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new/recording");
+        let written = recording();
+        written.write(&path).unwrap();
+        let read = Recording::read(&path).unwrap();
+        assert_eq!(read.signal, written.signal);
+        assert_eq!(read.direct, written.direct);
+        assert_eq!(read.odometry, written.odometry);
+        assert_eq!(read.meta, written.meta);
+        assert!((read.start_pose().x_m - 1.0).abs() < 1e-9);
+        assert!(
+            std::fs::read_dir(&path)
+                .unwrap()
+                .all(|entry| !entry.unwrap().path().ends_with("part"))
+        );
+    }
+
+    #[test]
+    fn the_start_is_truth_then_meta_then_origin() {
+        let mut recording = recording();
+        recording.truth = None;
+        recording.meta.start = Some(Pose {
+            x_m: 3.0,
+            ..Pose::default()
+        });
+        assert_eq!(recording.start_pose().x_m, 3.0);
+        recording.meta.start = None;
+        assert_eq!(recording.start_pose(), Pose::default());
+    }
+
+    #[test]
+    fn errors_name_file_and_field() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        let message = |path: &Path| Recording::read(path).unwrap_err().to_string();
+        assert!(message(&path.join("none")).contains("not a folder"));
+        recording().write(path).unwrap();
+        std::fs::remove_file(path.join("odometry.csv")).unwrap();
+        assert!(message(path).contains("odometry.csv"));
+        recording().write(path).unwrap();
+        std::fs::write(
+            path.join("recording.json"),
+            r#"{"sample_rate_hz": 40000, "rate": 3}"#,
+        )
+        .unwrap();
+        assert!(message(path).contains("recording.json"));
+        let mut other = recording();
+        other.meta.sample_rate_hz = 50_000.0;
+        files::write_json(&path.join("recording.json"), &other.meta).unwrap();
+        assert!(message(path).contains("signal.wav"));
+        let mut bad = recording();
+        bad.signal[7] = f32::NAN;
+        assert!(bad.check("x").unwrap_err().to_string().contains("sample 7"));
+        let mut bad = recording();
+        bad.direct = Some(vec![0.0; 3]);
+        assert!(
+            bad.check("x")
+                .unwrap_err()
+                .to_string()
+                .contains("direct.wav")
+        );
+    }
+}

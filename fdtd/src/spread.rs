@@ -10,7 +10,9 @@ pub const TAPS: usize = 8;
 const KAISER_BETA: f64 = 6.31;
 
 /// How a point between cell centres is spread or interpolated, the same along x and y.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Spread {
     /// Linear along each axis, 2 x 2 cells: the papers' direct method.
@@ -58,7 +60,10 @@ impl Spread {
     /// When a coordinate is below 3 or not finite: scenes keep paths clear of the domain's edge.
     pub fn stencil(self, point_cells: [f64; 2]) -> Stencil {
         let [x, y] = point_cells;
-        assert!(x >= 3.0 && y >= 3.0, "point ({x}, {y}) too near the domain's edge");
+        assert!(
+            x >= 3.0 && y >= 3.0,
+            "point ({x}, {y}) too near the domain's edge"
+        );
         let (x0, wx) = self.taps(x);
         let (y0, wy) = self.taps(y);
         Stencil { x0, y0, wx, wy }
@@ -101,7 +106,9 @@ impl std::str::FromStr for Spread {
         Self::ALL
             .into_iter()
             .find(|spread| spread.name() == text)
-            .ok_or_else(|| format!("unknown spreading kernel '{text}'; accepted are bilinear and kaiser8"))
+            .ok_or_else(|| {
+                format!("unknown spreading kernel '{text}'; accepted are bilinear and kaiser8")
+            })
     }
 }
 
@@ -152,8 +159,11 @@ mod tests {
             20.0 * re.hypot(im).log10()
         };
         for spread in Spread::ALL {
-            let gains: Vec<f64> = (0..=20).map(|i| gain(spread, f64::from(i) / 20.0)).collect();
-            let ripple = gains.iter().fold(f64::MIN, |a, &b| a.max(b)) - gains.iter().fold(f64::MAX, |a, &b| a.min(b));
+            let gains: Vec<f64> = (0..=20)
+                .map(|i| gain(spread, f64::from(i) / 20.0))
+                .collect();
+            let ripple = gains.iter().fold(f64::MIN, |a, &b| a.max(b))
+                - gains.iter().fold(f64::MAX, |a, &b| a.min(b));
             match spread {
                 Spread::Kaiser8 => assert!(ripple < 0.01, "{ripple}"),
                 Spread::Bilinear => assert!((ripple - 0.96).abs() < 0.03, "{ripple}"),

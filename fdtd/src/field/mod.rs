@@ -1,1 +1,156 @@
-//! Placeholder while the workspace is laid out.
+//! The sound field: what one step is, and the two engines that take it.
+//!
+//! One step at every cell, in this order of operations (all of them fused multiply-adds, so that both engines, any
+//! thread count and any instruction set give the same bytes):
+//! 1. the plain stencil of the scheme, 2. the layer along y, 3. the layers along x, 4. the corrections next to walls,
+//! 5. zero in solid cells, 6. the source's injections, 7. the receiver reads.
+//!
+//! [`ReferenceField`] does this row by row in plain order and is the oracle of [`FastField`], which advances several
+//! steps at once in cache (see [`fast`]).
+
+pub mod fast;
+pub mod reference;
+mod stencil;
+
+pub use fast::FastField;
+pub use reference::ReferenceField;
+
+use crate::grid::{Grid, Medium};
+use crate::pml::Profile;
+use crate::scheme::{Scheme, Weights};
+use crate::spread::Stencil;
+use crate::walls::SolidMask;
+use crate::walls::operator::WallOperator;
+
+/// Everything that stays the same from step to step.
+#[derive(Debug, Clone)]
+pub struct FieldSetup {
+    /// Cells along x.
+    pub nx: usize,
+    /// Cells along y.
+    pub ny: usize,
+    /// The scheme.
+    pub scheme: Scheme,
+    /// Its weights.
+    pub weights: Weights,
+    /// Courant number squared.
+    pub courant2: f32,
+    /// The absorbing layer on all four sides; zero cells for none (then the edge is pressure-free).
+    pub layer: Profile,
+    /// Rigid walls.
+    pub walls: WallOperator,
+}
+
+impl FieldSetup {
+    /// Setup of `grid` in `medium` with `scheme`, a layer of `layer_cells` and the walls of `mask`.
+    ///
+    /// # Panics
+    /// When the mask has another size than the grid, the step is unstable, or two layers would meet.
+    pub fn new(
+        grid: &Grid,
+        medium: &Medium,
+        scheme: Scheme,
+        layer_cells: usize,
+        mask: &SolidMask,
+    ) -> Self {
+        assert_eq!(
+            (mask.nx, mask.ny),
+            (grid.nx, grid.ny),
+            "mask and grid differ in size"
+        );
+        let width = layer_cells.next_multiple_of(8);
+        assert!(
+            2 * width < grid.nx && 2 * layer_cells < grid.ny,
+            "the absorbing layers meet"
+        );
+        let courant = grid.courant(medium);
+        assert!(
+            courant <= scheme.max_courant(),
+            "Courant number {courant} over the stability limit"
+        );
+        let weights = scheme.weights(courant);
+        Self {
+            nx: grid.nx,
+            ny: grid.ny,
+            scheme,
+            weights,
+            courant2: (courant * courant) as f32,
+            layer: Profile::new(layer_cells, courant),
+            walls: WallOperator::new(mask, &weights, scheme.radius()),
+        }
+    }
+}
+
+/// A source contribution to one step: `amplitude * wx[i] * wy[j]` is added to the new pressure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Injection {
+    /// Where.
+    pub stencil: Stencil,
+    /// How much, in Pa.
+    pub amplitude: f32,
+}
+
+/// What the outside does to and reads from one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepForcing {
+    /// Added to the new pressure, in this order.
+    pub injections: [Injection; 2],
+    /// Where the new pressure is read.
+    pub receiver: Stencil,
+}
+
+/// State of a field in plain order, the same for both engines: what a checkpoint holds.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FieldState {
+    /// Pressure now, `[iy, ix]`.
+    pub pressure: Vec<f32>,
+    /// Pressure one step ago, `[iy, ix]`.
+    pub previous: Vec<f32>,
+    /// Memory of the layers along x: `[iy, 6, width]` (low side: lower face, upper face, cell; then high side).
+    pub layer_x: Vec<f32>,
+    /// Memory of the layers along y: `[row of layer, 3, ix]`, rows of the low side first.
+    pub layer_y: Vec<f32>,
+}
+
+/// A field that can be advanced.
+pub trait Field: Send {
+    /// Takes one step per entry of `steps` and appends what the receiver reads after each of them, in Pa.
+    fn advance(&mut self, steps: &[StepForcing], received: &mut Vec<f32>);
+
+    /// How many steps per call of [`Field::advance`] suit the engine.
+    fn preferred_block(&self) -> usize;
+
+    /// The state in plain order.
+    fn state(&self) -> FieldState;
+
+    /// Takes over a state.
+    ///
+    /// # Panics
+    /// When the state belongs to another setup (lengths differ).
+    fn set_state(&mut self, state: &FieldState);
+
+    /// Whether a sample row of the field is finite; another row with each `turn`.
+    fn row_is_finite(&self, turn: usize) -> bool;
+}
+
+/// Row of the layers' memory along y that belongs to grid row `iy`, if any.
+fn layer_row(cells: usize, ny: usize, iy: usize) -> Option<usize> {
+    if iy < cells {
+        Some(iy)
+    } else if iy + cells >= ny {
+        Some(iy + 2 * cells - ny)
+    } else {
+        None
+    }
+}
+
+/// Sum of the receiver's row sums, in row order.
+fn combine_rows(receiver: &Stencil, rows: &[f64]) -> f32 {
+    let sum: f64 = receiver
+        .wy
+        .iter()
+        .zip(rows)
+        .map(|(&w, &row)| f64::from(w) * row)
+        .sum();
+    sum as f32
+}

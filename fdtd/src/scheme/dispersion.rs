@@ -19,7 +19,11 @@ fn wave_number(scheme: Scheme, courant: f64, omega_dt: f64, angle_rad: f64) -> O
     let (mut low, mut high) = (0.0, edge);
     for _ in 0..100 {
         let mid = 0.5 * (low + high);
-        if symbol(mid) < target { low = mid } else { high = mid }
+        if symbol(mid) < target {
+            low = mid
+        } else {
+            high = mid
+        }
     }
     Some(0.5 * (low + high))
 }
@@ -56,7 +60,10 @@ mod tests {
         ] {
             let vp = 100.0 * (phase_velocity(scheme, courant, omega_dt, angle).unwrap() - 1.0);
             let vg = 100.0 * (group_velocity(scheme, courant, omega_dt, angle).unwrap() - 1.0);
-            assert!((vp - phase).abs() < 0.01 + 0.02 * phase.abs(), "{scheme} phase {vp} {phase}");
+            assert!(
+                (vp - phase).abs() < 0.01 + 0.02 * phase.abs(),
+                "{scheme} phase {vp} {phase}"
+            );
             assert!((vg - group).abs() < 0.06, "{scheme} group {vg} {group}");
         }
     }

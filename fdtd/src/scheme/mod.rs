@@ -13,7 +13,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Which scheme advances the field.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
     /// Standard leapfrog, 5 points, second order: the papers' scheme.
@@ -106,7 +108,11 @@ impl Scheme {
                 let (mut low, mut high) = (0.1, 1.0);
                 for _ in 0..60 {
                     let mid = 0.5 * (low + high);
-                    if norm(mid) <= 4.0 { low = mid } else { high = mid }
+                    if norm(mid) <= 4.0 {
+                        low = mid
+                    } else {
+                        high = mid
+                    }
                 }
                 low
             }
@@ -131,7 +137,9 @@ impl Scheme {
             linear: exact(linear),
             square: exact(square),
             mixed: exact(mixed),
-            centre: exact(2.0 - 4.0 * linear + 12.0 * square + 4.0 * mixed - f64::from(RESTORING_QUANTUM)),
+            centre: exact(
+                2.0 - 4.0 * linear + 12.0 * square + 4.0 * mixed - f64::from(RESTORING_QUANTUM),
+            ),
             edge: exact(linear - 4.0 * square - 2.0 * mixed),
             corner: exact(mixed),
             far: exact(square),

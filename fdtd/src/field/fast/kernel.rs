@@ -1,0 +1,612 @@
+//! The unsafe heart of the fast engine: sweeps over rows through raw pointers.
+//!
+//! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same
+//! time, which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said
+//! in [`super::tiles`]: which rows a tile reads and writes, and that no two tiles of a phase touch the same row in
+//! conflicting ways. All pointers stay inside the buffers because the layout gives every row a halo of
+//! [`HALO`] vectors and the buffers a rim of [`HALO`] rows.
+#![expect(
+    unsafe_code,
+    reason = "disjoint rows of shared buffers; see the module's text"
+)]
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::super::StepForcing;
+use super::super::layer_row;
+use super::super::stencil::{Number, Splat, layer};
+use super::layout::{HALO, LANES};
+use super::tiles::Tile;
+use super::{Line, Plan};
+use crate::scheme::Scheme;
+use crate::spread::TAPS;
+
+/// Rows that a sweep takes together.
+pub(super) const ROWS: usize = 4;
+
+/// Eight numbers in registers.
+trait Vector: Number {
+    /// # Safety
+    /// `at` must point to eight readable numbers, and the instruction set be there.
+    unsafe fn load(at: *const f32) -> Self;
+    /// # Safety
+    /// `at` must point to eight writable numbers, and the instruction set be there.
+    unsafe fn store(self, at: *mut f32);
+}
+
+/// Eight numbers as the target's default instructions hold them.
+#[derive(Clone, Copy)]
+struct Plain([f32; LANES]);
+
+impl Vector for Plain {
+    #[inline(always)]
+    unsafe fn load(at: *const f32) -> Self {
+        // SAFETY: the caller's promise.
+        Self(unsafe { at.cast::<[f32; LANES]>().read_unaligned() })
+    }
+    #[inline(always)]
+    unsafe fn store(self, at: *mut f32) {
+        // SAFETY: the caller's promise.
+        unsafe { at.cast::<[f32; LANES]>().write_unaligned(self.0) }
+    }
+}
+
+impl Number for Plain {
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self([value; LANES])
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] + other.0[i]))
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] - other.0[i]))
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] * other.0[i]))
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        Self(std::array::from_fn(|i| {
+            self.0[i].mul_add(factor.0[i], term.0[i])
+        }))
+    }
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, term: Self) -> Self {
+        Self(std::array::from_fn(|i| {
+            self.0[i].mul_add(factor.0[i], -term.0[i])
+        }))
+    }
+}
+
+/// Eight numbers in an AVX register. Only made inside functions compiled for AVX2 and FMA.
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy)]
+struct Avx(std::arch::x86_64::__m256);
+
+#[cfg(target_arch = "x86_64")]
+mod avx {
+    use std::arch::x86_64::*;
+
+    use super::{Avx, Number, Vector};
+
+    impl Vector for Avx {
+        #[inline(always)]
+        unsafe fn load(at: *const f32) -> Self {
+            // SAFETY: the caller's promise.
+            Self(unsafe { _mm256_loadu_ps(at) })
+        }
+        #[inline(always)]
+        unsafe fn store(self, at: *mut f32) {
+            // SAFETY: the caller's promise.
+            unsafe { _mm256_storeu_ps(at, self.0) }
+        }
+    }
+
+    // SAFETY of all below: an `Avx` is only made where AVX2 and FMA are enabled.
+    impl Number for Avx {
+        #[inline(always)]
+        fn splat(value: f32) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_set1_ps(value) })
+        }
+        #[inline(always)]
+        fn add(self, other: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_add_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn sub(self, other: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_sub_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn mul(self, other: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_mul_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn mul_add(self, factor: Self, term: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_fmadd_ps(self.0, factor.0, term.0) })
+        }
+        #[inline(always)]
+        fn mul_sub(self, factor: Self, term: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, term.0) })
+        }
+    }
+}
+
+/// The buffers of a field as the tiles of one time block see them.
+#[derive(Clone, Copy)]
+pub(super) struct Shared {
+    /// Level of the first step, and the past that it overwrites; both start at grid row `-HALO`.
+    pub(super) levels: [*mut f32; 2],
+    /// Layer memory along x, `[iy, 6, width]`.
+    pub(super) layer_x: *mut f32,
+    /// Layer memory along y, `[row of layer, 3, stride]`.
+    pub(super) layer_y: *mut f32,
+}
+
+// SAFETY: the pointers are only used by tiles of one block, on disjoint rows (see `tiles`), while the field that owns
+// the buffers is mutably borrowed by the call that starts them.
+unsafe impl Send for Shared {}
+// SAFETY: as above.
+unsafe impl Sync for Shared {}
+
+/// Sums that the receiver's rows leave, `[step, row of stencil]`, as bits of `f64`.
+pub(super) type RowSums = [[AtomicU64; TAPS]];
+
+/// Instruction sets that the sweeps are compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InstructionSet {
+    /// AVX-512 (F and VL) with fused multiply-add.
+    Avx512,
+    /// AVX2 with fused multiply-add.
+    Avx2,
+    /// What the target has by default (NEON on 64-bit Arm).
+    Portable,
+}
+
+impl InstructionSet {
+    /// The best one of this machine.
+    pub fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::is_x86_feature_detected as has;
+            if has!("avx2") && has!("fma") {
+                let wide = has!("avx512f") && has!("avx512vl");
+                return if wide { Self::Avx512 } else { Self::Avx2 };
+            }
+        }
+        Self::Portable
+    }
+}
+
+/// Runs the tiles of one phase of a time block, side by side on `pool`.
+pub(super) fn run_phase(
+    plan: &Plan,
+    shared: Shared,
+    tiles: &[Tile],
+    steps: &[StepForcing],
+    sums: &RowSums,
+    pool: Option<&rayon::ThreadPool>,
+) {
+    super::for_each_tile(pool, tiles, |tile| {
+        // Capture the whole of `shared`, which may be sent, not its pointers one by one.
+        let shared = &shared;
+        // SAFETY: tiles of one phase are disjoint as `tiles` says, and the caller holds the field mutably.
+        unsafe { run_tile(plan, *shared, tile, steps, sums) }
+    });
+}
+
+/// The numbers of a buffer of cache lines.
+pub(super) fn flat(lines: &[Line]) -> &[f32] {
+    // SAFETY: `Line` is nothing but sixteen numbers without padding.
+    unsafe { std::slice::from_raw_parts(lines.as_ptr().cast(), size_of_val(lines) / 4) }
+}
+
+/// The numbers of a buffer of cache lines.
+pub(super) fn flat_mut(lines: &mut [Line]) -> &mut [f32] {
+    // SAFETY: as above, and the borrow is exclusive.
+    unsafe {
+        std::slice::from_raw_parts_mut(lines.as_mut_ptr().cast(), size_of_val(lines) / 4)
+    }
+}
+
+/// Runs one tile of a time block.
+///
+/// # Safety
+/// `shared` must hold the buffers of `plan`, and no other thread may touch the rows that `tile` writes, or write those
+/// that it reads, while it runs.
+pub(super) unsafe fn run_tile(
+    plan: &Plan,
+    shared: Shared,
+    tile: &Tile,
+    steps: &[StepForcing],
+    sums: &RowSums,
+) {
+    // SAFETY: the caller's promise; the instruction set was detected on this machine.
+    unsafe {
+        match (plan.instructions, plan.setup.scheme) {
+            #[cfg(target_arch = "x86_64")]
+            (InstructionSet::Avx512, Scheme::Slf) => avx512_slf(plan, shared, tile, steps, sums),
+            #[cfg(target_arch = "x86_64")]
+            (InstructionSet::Avx512, Scheme::M13) => avx512_m13(plan, shared, tile, steps, sums),
+            #[cfg(target_arch = "x86_64")]
+            (InstructionSet::Avx2, Scheme::Slf) => avx2_slf(plan, shared, tile, steps, sums),
+            #[cfg(target_arch = "x86_64")]
+            (InstructionSet::Avx2, Scheme::M13) => avx2_m13(plan, shared, tile, steps, sums),
+            (_, Scheme::Slf) => sweep_tile::<Plain, Slf>(plan, shared, tile, steps, sums),
+            (_, Scheme::M13) => sweep_tile::<Plain, M13>(plan, shared, tile, steps, sums),
+        }
+    }
+}
+
+macro_rules! instantiate {
+    ($name:ident, $sweep:ty, $features:literal) => {
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = $features)]
+        unsafe fn $name(
+            plan: &Plan,
+            shared: Shared,
+            tile: &Tile,
+            steps: &[StepForcing],
+            sums: &RowSums,
+        ) {
+            // SAFETY: the caller's promise.
+            unsafe { sweep_tile::<Avx, $sweep>(plan, shared, tile, steps, sums) }
+        }
+    };
+}
+instantiate!(avx512_slf, Slf, "avx512f,avx512vl,avx2,fma");
+instantiate!(avx512_m13, M13, "avx512f,avx512vl,avx2,fma");
+instantiate!(avx2_slf, Slf, "avx2,fma");
+instantiate!(avx2_m13, M13, "avx2,fma");
+
+/// Runs `work` compiled for AVX2 with fused multiply-add.
+///
+/// # Panics
+/// When the machine has no such instructions.
+#[cfg(target_arch = "x86_64")]
+pub(in crate::field) fn with_avx2<R>(work: impl FnOnce() -> R) -> R {
+    #[target_feature(enable = "avx2,fma")]
+    fn inside<R>(work: impl FnOnce() -> R) -> R {
+        work()
+    }
+    assert!(
+        InstructionSet::detect() != InstructionSet::Portable,
+        "no AVX2 with FMA here"
+    );
+    // SAFETY: just checked.
+    unsafe { inside(work) }
+}
+
+/// A scheme's sweep over `ROWS` rows of one part of the rows.
+trait Sweep<V: Vector> {
+    /// `now` and `next` point to the first cell of the first row's part, `vectors` long; `ahead` is the distance of the
+    /// next cell along x in memory.
+    ///
+    /// # Safety
+    /// Rows `-2..rows + 2` of `now` and rows `0..rows` of `next`, each with two cells to both sides, must be inside
+    /// the buffers and free for this thread.
+    unsafe fn rows(
+        weights: &Splat<V>,
+        now: *const f32,
+        next: *mut f32,
+        stride: usize,
+        ahead: usize,
+        vectors: usize,
+        rows: usize,
+    );
+}
+
+struct Slf;
+struct M13;
+
+impl<V: Vector> Sweep<V> for Slf {
+    #[inline(always)]
+    unsafe fn rows(
+        w: &Splat<V>,
+        now: *const f32,
+        next: *mut f32,
+        stride: usize,
+        ahead: usize,
+        vectors: usize,
+        rows: usize,
+    ) {
+        // SAFETY: the caller's promise covers every offset used here.
+        unsafe {
+            if rows == ROWS && ahead == LANES {
+                let row = |i: usize| now.add(i * stride);
+                let mut here: [V; ROWS] = std::array::from_fn(|i| V::load(row(i)));
+                for j in 0..vectors {
+                    let at = j * LANES;
+                    let east: [V; ROWS] = std::array::from_fn(|i| V::load(row(i).add(at + LANES)));
+                    let south = V::load(now.add(at).sub(stride));
+                    let north = V::load(row(ROWS).add(at));
+                    for i in 0..ROWS {
+                        let below = if i == 0 { south } else { here[i - 1] };
+                        let above = if i + 1 == ROWS { north } else { here[i + 1] };
+                        let target = next.add(i * stride + at);
+                        let west = V::load(row(i).add(at).sub(LANES));
+                        w.slf(here[i], [west, east[i]], [below, above], V::load(target))
+                            .store(target);
+                    }
+                    here = east;
+                }
+                return;
+            }
+            for i in 0..rows {
+                let (row, target) = (now.add(i * stride), next.add(i * stride));
+                for j in 0..vectors {
+                    let at = row.add(j * LANES);
+                    let sides = [V::load(at.sub(ahead)), V::load(at.add(ahead))];
+                    let ends = [V::load(at.sub(stride)), V::load(at.add(stride))];
+                    let target = target.add(j * LANES);
+                    w.slf(V::load(at), sides, ends, V::load(target))
+                        .store(target);
+                }
+            }
+        }
+    }
+}
+
+impl<V: Vector> Sweep<V> for M13 {
+    #[inline(always)]
+    unsafe fn rows(
+        w: &Splat<V>,
+        now: *const f32,
+        next: *mut f32,
+        stride: usize,
+        ahead: usize,
+        vectors: usize,
+        rows: usize,
+    ) {
+        // SAFETY: the caller's promise covers every offset used here.
+        unsafe {
+            for i in 0..rows {
+                let (row, target) = (now.add(i * stride), next.add(i * stride));
+                let vertical =
+                    |at: *const f32| V::load(at.sub(stride)).add(V::load(at.add(stride)));
+                if ahead == LANES {
+                    let mut here: [V; 4] =
+                        std::array::from_fn(|k| V::load(row.sub(2 * LANES).add(k * LANES)));
+                    let mut upright = vertical(row);
+                    let mut columns = [
+                        w.m13_column(here[1], vertical(row.sub(LANES))),
+                        w.m13_column(here[2], upright),
+                    ];
+                    for j in 0..vectors {
+                        let at = row.add(j * LANES);
+                        let beyond = V::load(at.add(2 * LANES));
+                        let next_upright = vertical(at.add(LANES));
+                        let column = w.m13_column(here[3], next_upright);
+                        let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
+                        let target = target.add(j * LANES);
+                        w.m13(
+                            here[2],
+                            upright,
+                            [columns[0], column],
+                            [here[0], beyond],
+                            ends,
+                            V::load(target),
+                        )
+                        .store(target);
+                        here = [here[1], here[2], here[3], beyond];
+                        upright = next_upright;
+                        columns = [columns[1], column];
+                    }
+                } else {
+                    for j in 0..vectors {
+                        let at = row.add(j * LANES);
+                        let column = |at: *const f32| w.m13_column(V::load(at), vertical(at));
+                        let columns = [column(at.sub(ahead)), column(at.add(ahead))];
+                        let sides = [V::load(at.sub(2 * ahead)), V::load(at.add(2 * ahead))];
+                        let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
+                        let target = target.add(j * LANES);
+                        w.m13(
+                            V::load(at),
+                            vertical(at),
+                            columns,
+                            sides,
+                            ends,
+                            V::load(target),
+                        )
+                        .store(target);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// All steps of a tile: a wavefront of short row blocks, step after step, each one radius behind the one before.
+///
+/// # Safety
+/// As [`run_tile`].
+#[inline(always)]
+unsafe fn sweep_tile<V: Vector, S: Sweep<V>>(
+    plan: &Plan,
+    shared: Shared,
+    tile: &Tile,
+    steps: &[StepForcing],
+    sums: &RowSums,
+) {
+    let weights = Splat::<V>::new(&plan.setup.weights);
+    let radius = plan.setup.scheme.radius();
+    let (begin, end) = tile.sweep(steps.len());
+    let mut base = begin;
+    while base < end + (radius * steps.len()) as isize {
+        for step in 0..steps.len() {
+            let (low, high) = tile.rows(step);
+            let from = base - (radius * step) as isize;
+            let (first, last) = (
+                from.max(low as isize),
+                (from + ROWS as isize).min(high as isize),
+            );
+            if first < last {
+                // SAFETY: the caller's promise; rows first..last belong to this tile at this step.
+                unsafe {
+                    let rows = first as usize..last as usize;
+                    advance_rows::<V, S>(
+                        plan,
+                        shared,
+                        &weights,
+                        rows,
+                        step,
+                        &steps[step],
+                        &sums[step],
+                    );
+                }
+            }
+        }
+        base += ROWS as isize;
+    }
+}
+
+/// One step of a few rows: see the order of operations in [`crate::field`].
+///
+/// # Safety
+/// As [`run_tile`], for these rows.
+#[inline(always)]
+unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
+    plan: &Plan,
+    shared: Shared,
+    weights: &Splat<V>,
+    rows: std::ops::Range<usize>,
+    step: usize,
+    forcing: &StepForcing,
+    sums: &[AtomicU64; TAPS],
+) {
+    let layout = &plan.layout;
+    let stride = layout.stride;
+    let cells = plan.setup.layer.cells();
+    let width = plan.setup.layer.width();
+    let courant2 = V::splat(plan.setup.courant2);
+    // SAFETY: rows lie in the grid, and the buffers have HALO rows more on both sides; within a row every offset comes
+    // from the layout. The caller promises that nobody else touches what is written here.
+    unsafe {
+        let now_base = shared.levels[step % 2].cast_const();
+        let next_base = shared.levels[(step + 1) % 2];
+        let at = (rows.start + HALO) * stride;
+        let parts = [
+            (layout.low_at, 1, layout.low.div_ceil(LANES)),
+            (layout.centre_at, LANES, layout.centre),
+            (layout.high_at, 1, layout.high.div_ceil(LANES)),
+        ];
+        for (part, ahead, vectors) in parts {
+            if vectors > 0 {
+                let (now, next) = (now_base.add(at + part), next_base.add(at + part));
+                S::rows(weights, now, next, stride, ahead, vectors, rows.len());
+            }
+        }
+        for iy in rows {
+            let at = (iy + HALO) * stride;
+            let now = now_base.add(at);
+            let next = next_base.add(at);
+            if let (Some(decay), Some(layer)) =
+                (plan.row_decay[iy], layer_row(cells, plan.setup.ny, iy))
+            {
+                let memory = shared.layer_y.add(layer * 3 * stride);
+                let decay = decay.map(V::splat);
+                for x in (LANES..stride - LANES).step_by(LANES) {
+                    let p = now.add(x);
+                    let here = V::load(p);
+                    let slopes = [
+                        here.sub(V::load(p.sub(stride))),
+                        V::load(p.add(stride)).sub(here),
+                    ];
+                    layer_vector(slopes, decay, memory.add(x), stride, courant2, next.add(x));
+                }
+            }
+            for (side, profile) in [&plan.setup.layer, &plan.high].into_iter().enumerate() {
+                let first = if side == 0 {
+                    layout.low_at
+                } else {
+                    layout.offset(layout.nx - width)
+                };
+                let memory = shared.layer_x.add((iy * 2 + side) * 3 * width);
+                for i in (0..width).step_by(LANES) {
+                    let p = now.add(first + i);
+                    let here = V::load(p);
+                    let slopes = [here.sub(V::load(p.sub(1))), V::load(p.add(1)).sub(here)];
+                    let face = profile.face.as_ptr().add(i);
+                    let decay = [
+                        V::load(face),
+                        V::load(face.add(1)),
+                        V::load(profile.cell.as_ptr().add(i)),
+                    ];
+                    layer_vector(
+                        slopes,
+                        decay,
+                        memory.add(i),
+                        width,
+                        courant2,
+                        next.add(first + i),
+                    );
+                }
+            }
+            let next = std::slice::from_raw_parts_mut(next, stride);
+            let walls = &plan.walls[iy];
+            for correction in &walls.corrections {
+                let mut sum = 0.0_f32;
+                let entries = correction.first as usize..correction.end as usize;
+                for &(offset, weight) in &plan.entries[entries] {
+                    sum = weight.mul_add(*now_base.offset(at as isize + offset as isize), sum);
+                }
+                next[correction.at as usize] += sum;
+            }
+            for &solid in &walls.solid {
+                next[solid as usize] = 0.0;
+            }
+            for injection in &forcing.injections {
+                let s = &injection.stencil;
+                if let Some(wy) = iy.checked_sub(s.y0).and_then(|j| s.wy.get(j)) {
+                    let weight = wy * injection.amplitude;
+                    for (i, wx) in s.wx.iter().enumerate() {
+                        let p = &mut next[layout.offset(s.x0 + i)];
+                        *p = wx.mul_add(weight, *p);
+                    }
+                }
+            }
+            layout.refresh_halos(next);
+            let s = &forcing.receiver;
+            if let Some(j) = iy.checked_sub(s.y0).filter(|&j| j < TAPS) {
+                let taps = s.wx.iter().enumerate();
+                let sum: f64 = taps
+                    .map(|(i, &w)| f64::from(w) * f64::from(next[layout.offset(s.x0 + i)]))
+                    .sum();
+                sums[j].store(sum.to_bits(), Ordering::Relaxed);
+            }
+        }
+    }
+}
+
+/// The layer's recursion at eight cells whose memory lies at `memory`, three parts `part` apart.
+///
+/// # Safety
+/// Eight numbers at `next` and at each part of the memory must be this thread's.
+#[inline(always)]
+unsafe fn layer_vector<V: Vector>(
+    slopes: [V; 2],
+    decay: [V; 3],
+    memory: *mut f32,
+    part: usize,
+    courant2: V,
+    next: *mut f32,
+) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let old = std::array::from_fn(|k| V::load(memory.add(k * part)));
+        let (new, change) = layer(slopes, decay, old);
+        for (k, value) in new.into_iter().enumerate() {
+            value.store(memory.add(k * part));
+        }
+        courant2.mul_add(change, V::load(next)).store(next);
+    }
+}

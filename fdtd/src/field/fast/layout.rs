@@ -1,0 +1,168 @@
+//! Where the cells of a row lie in memory.
+//!
+//! A row is cut in three: a strip at low x and one at high x in plain order, which hold the absorbing layers, and
+//! between them the *centre* in lane-transposed order: cut into eight equal lanes, vector `j` holds the `j`-th cell of
+//! every lane. There the neighbour along x is the neighbouring vector, so that every load is aligned and vectors pass
+//! from column to column in registers. Each part has a halo of two cells (vectors) that repeats its neighbours.
+
+/// Cells per vector.
+pub(super) const LANES: usize = 8;
+/// Vectors of halo on each side of the centre, and rows of rim below and above the grid.
+pub(super) const HALO: usize = 2;
+/// Narrowest strip that is worth a part of its own.
+const STRIP: usize = 24;
+
+/// Sizes and offsets of a row, in `f32`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct RowLayout {
+    pub(super) nx: usize,
+    /// Cells of the low strip.
+    pub(super) low: usize,
+    /// Vectors of the centre; zero in narrow grids, where the low strip is the whole row.
+    pub(super) centre: usize,
+    /// Cells of the high strip.
+    pub(super) high: usize,
+    pub(super) low_at: usize,
+    pub(super) centre_at: usize,
+    pub(super) high_at: usize,
+    /// Distance between rows; a whole number of vectors and no multiple of 4 KiB.
+    pub(super) stride: usize,
+}
+
+impl RowLayout {
+    /// Layout of rows of `nx` cells with absorbing layers `layer` cells wide.
+    pub(super) fn new(nx: usize, layer: usize) -> Self {
+        let strip = layer.max(STRIP).next_multiple_of(LANES);
+        let centre = nx.saturating_sub(2 * strip) / LANES;
+        let (low, centre, high) = if centre < 2 * HALO {
+            (nx, 0, 0)
+        } else {
+            (strip, centre, nx - strip - LANES * centre)
+        };
+        let low_at = LANES;
+        let centre_at = low_at + low.next_multiple_of(LANES) + (1 + HALO) * LANES;
+        let high_at = centre_at + (centre + HALO + 1) * LANES;
+        let end = high_at + high.next_multiple_of(LANES) + LANES;
+        let mut stride = end.next_multiple_of(2 * LANES) + LANES;
+        if stride % 1024 < 2 * LANES {
+            stride += 2 * LANES;
+        }
+        Self {
+            nx,
+            low,
+            centre,
+            high,
+            low_at,
+            centre_at,
+            high_at,
+            stride,
+        }
+    }
+
+    /// Offset of cell `ix` in its row.
+    pub(super) fn offset(&self, ix: usize) -> usize {
+        if ix < self.low {
+            self.low_at + ix
+        } else if ix < self.low + LANES * self.centre {
+            let cell = ix - self.low;
+            self.centre_at + (cell % self.centre) * LANES + cell / self.centre
+        } else {
+            self.high_at + ix - self.low - LANES * self.centre
+        }
+    }
+
+    /// Rebuilds the halos of a row of `stride` cells, and clears the padding beyond its end.
+    #[inline(always)]
+    pub(super) fn refresh_halos(&self, row: &mut [f32]) {
+        let row = &mut row[..self.stride];
+        if self.centre == 0 {
+            row[self.low_at + self.low..self.low_at + self.low.next_multiple_of(LANES)].fill(0.0);
+            return;
+        }
+        let (first, last) = (
+            self.centre_at,
+            self.centre_at + (self.centre - HALO) * LANES,
+        );
+        let after = self.centre_at + self.centre * LANES;
+        for h in 0..HALO {
+            // Strips see the lanes next to them.
+            row[self.low_at + self.low + h] = row[first + h * LANES];
+            row[self.high_at - HALO + h] = row[last + h * LANES + LANES - 1];
+            // Lane l continues in lane l + 1; the outer lanes continue in the strips.
+            let (from_low, from_high) = (
+                row[self.low_at + self.low - HALO + h],
+                row[self.high_at + h],
+            );
+            let before = self.centre_at - HALO * LANES + h * LANES;
+            let (head, tail) = (lanes(row, first + h * LANES), lanes(row, last + h * LANES));
+            row[before] = from_low;
+            row[before + 1..before + LANES].copy_from_slice(&tail[..LANES - 1]);
+            row[after + h * LANES..after + h * LANES + LANES - 1].copy_from_slice(&head[1..]);
+            row[after + h * LANES + LANES - 1] = from_high;
+        }
+        row[self.high_at + self.high..self.high_at + self.high.next_multiple_of(LANES)].fill(0.0);
+    }
+
+    /// Copies a plain row in and rebuilds the halos.
+    pub(super) fn pack(&self, plain: &[f32], row: &mut [f32]) {
+        for (ix, &p) in plain.iter().enumerate() {
+            row[self.offset(ix)] = p;
+        }
+        self.refresh_halos(row);
+    }
+
+    /// Copies a row out in plain order.
+    pub(super) fn unpack(&self, row: &[f32], plain: &mut [f32]) {
+        for (ix, p) in plain.iter_mut().enumerate() {
+            *p = row[self.offset(ix)];
+        }
+    }
+}
+
+#[inline(always)]
+fn lanes(row: &[f32], at: usize) -> [f32; LANES] {
+    std::array::from_fn(|lane| row[at + lane])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packing_is_a_permutation_and_halos_repeat_the_neighbours() {
+        for nx in [30, 64, 87, 88, 97, 151, 1000] {
+            let layout = RowLayout::new(nx, 20);
+            let plain: Vec<f32> = (1..=nx).map(|i| i as f32).collect();
+            let mut row = vec![0.0; layout.stride];
+            layout.pack(&plain, &mut row);
+            let mut back = vec![0.0; nx];
+            layout.unpack(&row, &mut back);
+            assert_eq!(plain, back);
+            let at = |ix: isize| {
+                if ix < 0 || ix >= nx as isize {
+                    0.0
+                } else {
+                    plain[ix as usize]
+                }
+            };
+            for ix in 0..nx as isize {
+                let offset = layout.offset(ix as usize);
+                let in_centre =
+                    (layout.low..layout.low + LANES * layout.centre).contains(&(ix as usize));
+                let step = if in_centre { LANES } else { 1 };
+                for d in 1..=HALO {
+                    assert_eq!(
+                        row[offset + d * step],
+                        at(ix + d as isize),
+                        "nx {nx} ix {ix} +{d}"
+                    );
+                    assert_eq!(
+                        row[offset - d * step],
+                        at(ix - d as isize),
+                        "nx {nx} ix {ix} -{d}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! The fast engine: several steps per pass through memory, vectors of eight cells, one strip of rows per thread.
+//!
+//! * [`layout`]: lane-transposed rows, so that loads are aligned and shared between columns.
+//! * [`tiles`]: time blocks of strips and triangles, so that threads meet twice per block.
+//! * [`kernel`]: the sweeps, a wavefront of four-row blocks that keeps the rows of all steps of a block in cache.
+
+mod kernel;
+mod layout;
+mod tiles;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+pub use kernel::InstructionSet;
+#[cfg(target_arch = "x86_64")]
+pub(in crate::field) use kernel::with_avx2;
+
+use self::kernel::Shared;
+use self::layout::{HALO, LANES, RowLayout};
+use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows};
+use crate::pml::Profile;
+use crate::spread::TAPS;
+
+/// Steps per time block: the rows in flight of all of them stay in the second-level cache.
+const BLOCK: usize = 8;
+
+/// One row's walls in terms of the layout.
+#[derive(Debug, Default)]
+struct RowWalls {
+    corrections: Vec<RowCorrection>,
+    solid: Vec<u32>,
+}
+
+/// One corrected cell: its offset in the row, and its entries in [`Plan::entries`].
+#[derive(Debug)]
+struct RowCorrection {
+    at: u32,
+    first: u32,
+    end: u32,
+}
+
+/// All that stays the same from block to block.
+#[derive(Debug)]
+struct Plan {
+    setup: FieldSetup,
+    layout: RowLayout,
+    high: Profile,
+    row_decay: Vec<Option<[f32; 3]>>,
+    walls: Vec<RowWalls>,
+    /// `(offset from the row's start, weight)`.
+    entries: Vec<(i32, f32)>,
+    instructions: InstructionSet,
+}
+
+/// A cache line; gives the buffers their alignment.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+struct Line([f32; 2 * LANES]);
+
+/// One time level. The two levels start at different places of a page: were the same cells of both at the same place,
+/// loads of one would wait for stores to the other (the processor compares the low 12 bits first).
+#[derive(Debug)]
+struct Level {
+    lines: Vec<Line>,
+    skip: usize,
+}
+
+impl Level {
+    fn silent(numbers: usize, skip: usize) -> Self {
+        let lines = skip + numbers.div_ceil(2 * LANES);
+        Self { lines: vec![Line([0.0; 2 * LANES]); lines], skip }
+    }
+
+    fn numbers(&self) -> &[f32] {
+        kernel::flat(&self.lines[self.skip..])
+    }
+
+    fn numbers_mut(&mut self) -> &mut [f32] {
+        kernel::flat_mut(&mut self.lines[self.skip..])
+    }
+}
+
+/// Two time levels in lane-transposed rows.
+#[derive(Debug)]
+pub struct FastField {
+    plan: Arc<Plan>,
+    pool: Option<rayon::ThreadPool>,
+    threads: usize,
+    now: Level,
+    other: Level,
+    layer_x: Vec<f32>,
+    layer_y: Vec<f32>,
+}
+
+impl FastField {
+    /// A silent field advanced by `threads` threads (at least one).
+    ///
+    /// # Panics
+    /// When the threads cannot be started.
+    pub fn new(setup: FieldSetup, threads: usize) -> Self {
+        Self::with_instructions(setup, threads, InstructionSet::detect())
+    }
+
+    /// As [`FastField::new`], with an instruction set of choice; one that the machine lacks is replaced by the best it
+    /// has.
+    ///
+    /// # Panics
+    /// When the threads cannot be started.
+    pub fn with_instructions(
+        setup: FieldSetup,
+        threads: usize,
+        instructions: InstructionSet,
+    ) -> Self {
+        let best = InstructionSet::detect();
+        let instructions = match (instructions, best) {
+            (InstructionSet::Portable, _) => instructions,
+            (InstructionSet::Avx2, InstructionSet::Avx512) => instructions,
+            _ => best,
+        };
+        let threads = threads.max(1);
+        let pool = (threads > 1).then(|| {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .thread_name(|k| format!("field-{k}"))
+                .build()
+                .expect("the operating system gives threads")
+        });
+        let layout = RowLayout::new(setup.nx, setup.layer.width());
+        let numbers = (setup.ny + 2 * HALO) * layout.stride;
+        let cells = setup.layer.cells();
+        let plan = Plan::new(setup, layout, instructions);
+        Self {
+            now: Level::silent(numbers, 0),
+            other: Level::silent(numbers, 32),
+            layer_x: vec![0.0; plan.setup.ny * 6 * plan.setup.layer.width()],
+            layer_y: vec![0.0; 2 * cells * 3 * plan.layout.stride],
+            plan: Arc::new(plan),
+            pool,
+            threads,
+        }
+    }
+
+    /// The instruction set in use.
+    pub fn instructions(&self) -> InstructionSet {
+        self.plan.instructions
+    }
+
+    /// One time block.
+    fn block(&mut self, steps: &[StepForcing], received: &mut Vec<f32>) {
+        let plan = Arc::clone(&self.plan);
+        let sums: Vec<[AtomicU64; TAPS]> = steps.iter().map(|_| Default::default()).collect();
+        let shared = Shared {
+            levels: [self.now.numbers_mut().as_mut_ptr(), self.other.numbers_mut().as_mut_ptr()],
+            layer_x: self.layer_x.as_mut_ptr(),
+            layer_y: self.layer_y.as_mut_ptr(),
+        };
+        let phases = tiles::tiles(
+            plan.setup.ny,
+            self.threads,
+            steps.len(),
+            plan.setup.scheme.radius(),
+        );
+        for phase in &phases {
+            kernel::run_phase(&plan, shared, phase, steps, &sums, self.pool.as_ref());
+        }
+        if steps.len() % 2 == 1 {
+            std::mem::swap(&mut self.now, &mut self.other);
+        }
+        received.extend(steps.iter().zip(&sums).map(|(forcing, rows)| {
+            let rows: [f64; TAPS] =
+                std::array::from_fn(|j| f64::from_bits(rows[j].load(Ordering::Relaxed)));
+            combine_rows(&forcing.receiver, &rows)
+        }));
+    }
+
+    fn row<'a>(&self, level: &'a Level, iy: usize) -> &'a [f32] {
+        let stride = self.plan.layout.stride;
+        &level.numbers()[(iy + HALO) * stride..(iy + HALO + 1) * stride]
+    }
+}
+
+impl Plan {
+    fn new(setup: FieldSetup, layout: RowLayout, instructions: InstructionSet) -> Self {
+        let mut entries = Vec::new();
+        let stride = layout.stride as isize;
+        let walls =
+            setup
+                .walls
+                .corrections
+                .iter()
+                .zip(&setup.walls.solid)
+                .map(|(corrections, solid)| RowWalls {
+                    corrections: corrections
+                        .iter()
+                        .map(|correction| {
+                            let first = entries.len() as u32;
+                            entries.extend(correction.entries.iter().map(|&(dy, ix, weight)| {
+                                ((dy * stride + layout.offset(ix) as isize) as i32, weight)
+                            }));
+                            RowCorrection {
+                                at: layout.offset(correction.ix) as u32,
+                                first,
+                                end: entries.len() as u32,
+                            }
+                        })
+                        .collect(),
+                    solid: solid.iter().map(|&ix| layout.offset(ix) as u32).collect(),
+                });
+        let walls = walls.collect();
+        Self {
+            high: setup.layer.mirrored(),
+            row_decay: (0..setup.ny)
+                .map(|iy| setup.layer.row(setup.ny, iy))
+                .collect(),
+            layout,
+            walls,
+            entries,
+            instructions,
+            setup,
+        }
+    }
+}
+
+impl Field for FastField {
+    fn advance(&mut self, steps: &[StepForcing], received: &mut Vec<f32>) {
+        for block in steps.chunks(BLOCK) {
+            self.block(block, received);
+        }
+    }
+
+    fn preferred_block(&self) -> usize {
+        BLOCK
+    }
+
+    fn state(&self) -> FieldState {
+        let (layout, nx, ny) = (&self.plan.layout, self.plan.setup.nx, self.plan.setup.ny);
+        let plain = |level: &Level| {
+            let mut out = vec![0.0; nx * ny];
+            for (iy, to) in out.chunks_exact_mut(nx).enumerate() {
+                layout.unpack(self.row(level, iy), to);
+            }
+            out
+        };
+        let mut layer_y = vec![0.0; self.layer_y.len() / layout.stride * nx];
+        for (from, to) in self
+            .layer_y
+            .chunks_exact(layout.stride)
+            .zip(layer_y.chunks_exact_mut(nx))
+        {
+            layout.unpack(from, to);
+        }
+        FieldState {
+            pressure: plain(&self.now),
+            previous: plain(&self.other),
+            layer_x: self.layer_x.clone(),
+            layer_y,
+        }
+    }
+
+    fn set_state(&mut self, state: &FieldState) {
+        let plan = Arc::clone(&self.plan);
+        let (layout, nx, ny) = (&plan.layout, plan.setup.nx, plan.setup.ny);
+        for (level, plain) in [
+            (&mut self.now, &state.pressure),
+            (&mut self.other, &state.previous),
+        ] {
+            assert_eq!(plain.len(), nx * ny, "state of another grid");
+            let rows =
+                level.numbers_mut()[HALO * layout.stride..].chunks_exact_mut(layout.stride);
+            for (from, to) in plain.chunks_exact(nx).zip(rows) {
+                layout.pack(from, to);
+            }
+        }
+        self.layer_x.copy_from_slice(&state.layer_x);
+        assert_eq!(
+            state.layer_y.len(),
+            self.layer_y.len() / layout.stride * nx,
+            "state of another layer"
+        );
+        for (from, to) in state
+            .layer_y
+            .chunks_exact(nx)
+            .zip(self.layer_y.chunks_exact_mut(layout.stride))
+        {
+            layout.pack(from, to);
+        }
+    }
+
+    fn row_is_finite(&self, turn: usize) -> bool {
+        self.row(&self.now, turn % self.plan.setup.ny)
+            .iter()
+            .all(|p| p.is_finite())
+    }
+}
+
+/// Runs the tiles of one phase, side by side when there are threads for it.
+fn for_each_tile(
+    pool: Option<&rayon::ThreadPool>,
+    tiles: &[tiles::Tile],
+    run: impl Fn(&tiles::Tile) + Sync + Send,
+) {
+    match pool {
+        Some(pool) if tiles.len() > 1 => {
+            pool.install(|| tiles.par_iter().with_max_len(1).for_each(run))
+        }
+        _ => tiles.iter().for_each(run),
+    }
+}

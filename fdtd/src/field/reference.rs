@@ -1,0 +1,228 @@
+//! The plain engine: one sweep over the rows per step, nothing rearranged.
+
+use super::stencil::{Splat, layer};
+use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row};
+use crate::pml::Profile;
+use crate::scheme::Scheme;
+use crate::spread::TAPS;
+
+/// Cells of zero pressure around the grid, as many as the widest stencil reaches.
+const RIM: usize = 2;
+
+/// Two time levels in plain row order with a rim of zeros.
+#[derive(Debug, Clone)]
+pub struct ReferenceField {
+    setup: FieldSetup,
+    high: Profile,
+    now: Vec<f32>,
+    /// The past before a step, the new pressure after it.
+    other: Vec<f32>,
+    layer_x: Vec<f32>,
+    layer_y: Vec<f32>,
+}
+
+impl ReferenceField {
+    /// A silent field.
+    pub fn new(setup: FieldSetup) -> Self {
+        let padded = (setup.nx + 2 * RIM) * (setup.ny + 2 * RIM);
+        let (cells, width) = (setup.layer.cells(), setup.layer.width());
+        Self {
+            high: setup.layer.mirrored(),
+            now: vec![0.0; padded],
+            other: vec![0.0; padded],
+            layer_x: vec![0.0; setup.ny * 6 * width],
+            layer_y: vec![0.0; 2 * cells * 3 * setup.nx],
+            setup,
+        }
+    }
+
+    fn stride(&self) -> usize {
+        self.setup.nx + 2 * RIM
+    }
+
+    /// Takes one step and leaves the new pressure in `now`.
+    fn step(&mut self) {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+        {
+            super::fast::with_avx2(|| self.rows());
+            std::mem::swap(&mut self.now, &mut self.other);
+            return;
+        }
+        self.rows();
+        std::mem::swap(&mut self.now, &mut self.other);
+    }
+
+    #[inline(always)]
+    fn rows(&mut self) {
+        let (nx, ny, stride) = (self.setup.nx, self.setup.ny, self.stride());
+        let (cells, width) = (self.setup.layer.cells(), self.setup.layer.width());
+        for iy in 0..ny {
+            let start = (iy + RIM) * stride + RIM;
+            let row = |dy: isize| {
+                let begin = (start as isize + dy * stride as isize) as usize - RIM;
+                &self.now[begin..begin + nx + 2 * RIM]
+            };
+            let next = &mut self.other[start..start + nx];
+            match self.setup.scheme {
+                Scheme::Slf => slf_row(
+                    &Splat::new(&self.setup.weights),
+                    [row(-1), row(0), row(1)],
+                    next,
+                ),
+                Scheme::M13 => m13_row(
+                    &Splat::new(&self.setup.weights),
+                    [row(-2), row(-1), row(0), row(1), row(2)],
+                    next,
+                ),
+            }
+            let courant2 = self.setup.courant2;
+            if let (Some(decay), Some(at)) =
+                (self.setup.layer.row(ny, iy), layer_row(cells, ny, iy))
+            {
+                let memory = &mut self.layer_y[at * 3 * nx..(at + 1) * 3 * nx];
+                let (below, here, above) = (row(-1), row(0), row(1));
+                for ix in 0..nx {
+                    let x = ix + RIM;
+                    let slopes = [here[x] - below[x], above[x] - here[x]];
+                    let old = std::array::from_fn(|k| memory[k * nx + ix]);
+                    let (new, change) = layer(slopes, decay, old);
+                    (0..3).for_each(|k| memory[k * nx + ix] = new[k]);
+                    next[ix] = courant2.mul_add(change, next[ix]);
+                }
+            }
+            let p = row(0);
+            let sides = [(&self.setup.layer, 0), (&self.high, nx - width)];
+            let memory = self.layer_x[iy * 6 * width..(iy + 1) * 6 * width]
+                .chunks_exact_mut(3 * width.max(1));
+            for ((profile, first), memory) in sides.into_iter().zip(memory) {
+                for i in 0..width {
+                    let x = first + i + RIM;
+                    let slopes = [p[x] - p[x - 1], p[x + 1] - p[x]];
+                    let old = std::array::from_fn(|k| memory[k * width + i]);
+                    let decay = [profile.face[i], profile.face[i + 1], profile.cell[i]];
+                    let (new, change) = layer(slopes, decay, old);
+                    (0..3).for_each(|k| memory[k * width + i] = new[k]);
+                    next[first + i] = courant2.mul_add(change, next[first + i]);
+                }
+            }
+            for correction in &self.setup.walls.corrections[iy] {
+                let mut sum = 0.0_f32;
+                for &(dy, ix, weight) in &correction.entries {
+                    sum = weight.mul_add(row(dy)[RIM + ix], sum);
+                }
+                next[correction.ix] += sum;
+            }
+            for &ix in &self.setup.walls.solid[iy] {
+                next[ix] = 0.0;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn slf_row(w: &Splat<f32>, [south, here, north]: [&[f32]; 3], next: &mut [f32]) {
+    let n = next.len();
+    let (west, east) = (&here[RIM - 1..][..n], &here[RIM + 1..][..n]);
+    let (south, here, north) = (&south[RIM..][..n], &here[RIM..][..n], &north[RIM..][..n]);
+    for i in 0..n {
+        next[i] = w.slf(here[i], [west[i], east[i]], [south[i], north[i]], next[i]);
+    }
+}
+
+#[inline(always)]
+fn m13_row(
+    w: &Splat<f32>,
+    [far_south, south, here, north, far_north]: [&[f32]; 5],
+    next: &mut [f32],
+) {
+    let n = next.len();
+    let width = n + 2 * RIM;
+    let (far_south, south, here) = (&far_south[..width], &south[..width], &here[..width]);
+    let (north, far_north) = (&north[..width], &far_north[..width]);
+    for i in 0..n {
+        let x = i + RIM;
+        let column = |x: usize| w.m13_column(here[x], south[x] + north[x]);
+        next[i] = w.m13(
+            here[x],
+            south[x] + north[x],
+            [column(x - 1), column(x + 1)],
+            [here[x - 2], here[x + 2]],
+            [far_south[x], far_north[x]],
+            next[i],
+        );
+    }
+}
+
+impl Field for ReferenceField {
+    fn advance(&mut self, steps: &[StepForcing], received: &mut Vec<f32>) {
+        let stride = self.stride();
+        for forcing in steps {
+            self.step();
+            for injection in &forcing.injections {
+                let s = &injection.stencil;
+                for (j, wy) in s.wy.iter().enumerate() {
+                    let start = (s.y0 + j + RIM) * stride + RIM + s.x0;
+                    let weight = wy * injection.amplitude;
+                    for (p, wx) in self.now[start..start + TAPS].iter_mut().zip(&s.wx) {
+                        *p = wx.mul_add(weight, *p);
+                    }
+                }
+            }
+            let s = &forcing.receiver;
+            let rows: [f64; TAPS] = std::array::from_fn(|j| {
+                let start = (s.y0 + j + RIM) * stride + RIM + s.x0;
+                let taps = self.now[start..start + TAPS].iter().zip(&s.wx);
+                taps.map(|(&p, &w)| f64::from(w) * f64::from(p)).sum()
+            });
+            received.push(combine_rows(s, &rows));
+        }
+    }
+
+    fn preferred_block(&self) -> usize {
+        8
+    }
+
+    fn state(&self) -> FieldState {
+        let stride = self.stride();
+        let plain = |padded: &[f32]| {
+            let rows = padded[RIM * stride..]
+                .chunks_exact(stride)
+                .take(self.setup.ny);
+            rows.flat_map(|row| &row[RIM..RIM + self.setup.nx])
+                .copied()
+                .collect()
+        };
+        FieldState {
+            pressure: plain(&self.now),
+            previous: plain(&self.other),
+            layer_x: self.layer_x.clone(),
+            layer_y: self.layer_y.clone(),
+        }
+    }
+
+    fn set_state(&mut self, state: &FieldState) {
+        let (stride, nx) = (self.stride(), self.setup.nx);
+        for (padded, plain) in [
+            (&mut self.now, &state.pressure),
+            (&mut self.other, &state.previous),
+        ] {
+            assert_eq!(plain.len(), nx * self.setup.ny, "state of another grid");
+            for (row, from) in padded[RIM * stride..]
+                .chunks_exact_mut(stride)
+                .zip(plain.chunks_exact(nx))
+            {
+                row[RIM..RIM + nx].copy_from_slice(from);
+            }
+        }
+        self.layer_x.copy_from_slice(&state.layer_x);
+        self.layer_y.copy_from_slice(&state.layer_y);
+    }
+
+    fn row_is_finite(&self, turn: usize) -> bool {
+        let start = (turn % self.setup.ny + RIM) * self.stride();
+        self.now[start..start + self.stride()]
+            .iter()
+            .all(|p| p.is_finite())
+    }
+}

@@ -1,0 +1,117 @@
+//! The plain step of each scheme and the recursion of the absorbing layer, written once for a number or a vector of them.
+
+use crate::scheme::Weights;
+
+/// What the stencils need of a number: `f32` in the reference engine, eight of them in the fast one. All operations
+/// round like IEEE `f32`, lane by lane, therefore both give the same bytes.
+pub(super) trait Number: Copy {
+    fn splat(value: f32) -> Self;
+    fn add(self, other: Self) -> Self;
+    fn sub(self, other: Self) -> Self;
+    fn mul(self, other: Self) -> Self;
+    /// `self * factor + term`, rounded once.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// `self * factor - term`, rounded once.
+    fn mul_sub(self, factor: Self, term: Self) -> Self;
+}
+
+impl Number for f32 {
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self + other
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self - other
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self * other
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        f32::mul_add(self, factor, term)
+    }
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, term: Self) -> Self {
+        f32::mul_add(self, factor, -term)
+    }
+}
+
+/// Weights as numbers of the engine.
+#[derive(Clone, Copy)]
+pub(super) struct Splat<N> {
+    pub(super) centre: N,
+    pub(super) edge: N,
+    pub(super) corner: N,
+    pub(super) far: N,
+}
+
+impl<N: Number> Splat<N> {
+    #[inline(always)]
+    pub(super) fn new(weights: &Weights) -> Self {
+        Self {
+            centre: N::splat(weights.centre),
+            edge: N::splat(weights.edge),
+            corner: N::splat(weights.corner),
+            far: N::splat(weights.far),
+        }
+    }
+
+    /// Standard leapfrog: new pressure from the cell, its west and east, south and north neighbours and its past.
+    #[inline(always)]
+    pub(super) fn slf(&self, here: N, [west, east]: [N; 2], [south, north]: [N; 2], past: N) -> N {
+        let around = south.add(north).add(west.add(east));
+        self.centre.mul_add(here, self.edge.mul_sub(around, past))
+    }
+
+    /// Part of the 13-point stencil that a column gives to the columns beside it: the column's cell in this row, and
+    /// the sum of its cells in the rows below and above.
+    #[inline(always)]
+    pub(super) fn m13_column(&self, here: N, vertical: N) -> N {
+        self.edge.mul_add(here, self.corner.mul(vertical))
+    }
+
+    /// 13-point step from the cell, the sum `vertical` of its south and north neighbours, the column parts of its west
+    /// and east neighbours ([`Splat::m13_column`]), the neighbours at distance two along x and y, and its past.
+    #[inline(always)]
+    pub(super) fn m13(
+        &self,
+        here: N,
+        vertical: N,
+        columns: [N; 2],
+        far_x: [N; 2],
+        far_y: [N; 2],
+        past: N,
+    ) -> N {
+        let far = far_y[0].add(far_y[1]).add(far_x[0].add(far_x[1]));
+        let sum = self.edge.mul_add(vertical, self.far.mul_sub(far, past));
+        self.centre
+            .mul_add(here, sum.add(columns[0].add(columns[1])))
+    }
+}
+
+/// Memory of the absorbing layer at one cell: lower face, upper face, cell.
+pub(super) type LayerMemory<N> = [N; 3];
+
+/// One step of the layer's recursions at one cell from the differences of pressure over its lower and upper face and the
+/// decays of lower face, upper face and cell; returns the memory after it and what to add to the plain step, in units
+/// of the Courant number squared (see [`crate::pml`]).
+#[inline(always)]
+pub(super) fn layer<N: Number>(
+    [lower, upper]: [N; 2],
+    decay: [N; 3],
+    memory: LayerMemory<N>,
+) -> (LayerMemory<N>, N) {
+    let one = N::splat(1.0);
+    let recurse = |b: N, old: N, drive: N| b.mul_add(old, b.sub(one).mul(drive));
+    let psi_lower = recurse(decay[0], memory[0], lower);
+    let psi_upper = recurse(decay[1], memory[1], upper);
+    let bend = psi_upper.sub(psi_lower);
+    let zeta = recurse(decay[2], memory[2], upper.sub(lower).add(bend));
+    ([psi_lower, psi_upper, zeta], bend.add(zeta))
+}

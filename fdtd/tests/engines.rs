@@ -1,0 +1,119 @@
+//! The fast engine against the reference engine: the same bytes for any size, thread count and instruction set.
+
+use fdtd::field::fast::InstructionSet;
+use fdtd::field::{FastField, Field, FieldSetup, Injection, ReferenceField, StepForcing};
+use fdtd::grid::{Grid, Medium};
+use fdtd::scheme::Scheme;
+use fdtd::spread::Spread;
+use fdtd::walls::SolidMask;
+use proptest::prelude::*;
+
+const AIR: Medium = Medium {
+    c_mps: 340.0,
+    rho_kgpm3: 1.293,
+};
+
+fn grid(nx: usize, ny: usize) -> Grid {
+    Grid {
+        nx,
+        ny,
+        dx_m: 0.005,
+        dt_s: 1.0 / 120_000.0,
+    }
+}
+
+/// Scattered solid rectangles, anywhere.
+fn mask(grid: &Grid, rectangles: &[[usize; 4]]) -> SolidMask {
+    let mut cells = vec![false; grid.cells()];
+    for &[x, y, w, h] in rectangles {
+        for iy in y..(y + h).min(grid.ny) {
+            for ix in x..(x + w).min(grid.nx) {
+                cells[iy * grid.nx + ix] = true;
+            }
+        }
+    }
+    SolidMask {
+        nx: grid.nx,
+        ny: grid.ny,
+        cells,
+    }
+}
+
+/// A source and a receiver that cross the grid, with a waveform that fills the band.
+fn forcing(grid: &Grid, spread: Spread, steps: usize) -> Vec<StepForcing> {
+    let (w, h) = (grid.nx as f64 - 12.0, grid.ny as f64 - 12.0);
+    (0..steps)
+        .map(|n| {
+            let u = n as f64 / steps as f64;
+            let source = spread.stencil([5.0 + w * u, 5.0 + h * (1.0 - u)]);
+            let wave = (n as f32 * 0.5).sin() + (n as f32 * 1.3).cos();
+            StepForcing {
+                injections: [
+                    Injection {
+                        stencil: source,
+                        amplitude: wave,
+                    },
+                    Injection {
+                        stencil: spread.stencil([5.0 + w * u, 5.5 + h * (1.0 - u)]),
+                        amplitude: -0.7 * wave,
+                    },
+                ],
+                receiver: spread.stencil([5.0 + w * (1.0 - u), 5.3 + h * u * u]),
+            }
+        })
+        .collect()
+}
+
+fn compare(
+    setup: &FieldSetup,
+    forcing: &[StepForcing],
+    threads: usize,
+    instructions: InstructionSet,
+) {
+    let mut plain = ReferenceField::new(setup.clone());
+    let mut fast = FastField::with_instructions(setup.clone(), threads, instructions);
+    let (mut expected, mut got) = (Vec::new(), Vec::new());
+    plain.advance(forcing, &mut expected);
+    // Uneven pieces: blocks of all lengths occur, odd ones swap the buffers.
+    let (head, tail) = forcing.split_at(forcing.len() / 3);
+    fast.advance(head, &mut got);
+    let mut resumed = FastField::with_instructions(setup.clone(), 1, instructions);
+    resumed.set_state(&fast.state());
+    fast.advance(tail, &mut got);
+    assert_eq!(bits(&expected), bits(&got), "received signal");
+    assert_eq!(plain.state(), fast.state(), "state");
+    let mut again = Vec::new();
+    resumed.advance(tail, &mut again);
+    assert_eq!(
+        bits(&expected[head.len()..]),
+        bits(&again),
+        "signal after a resume"
+    );
+    assert!(expected.iter().any(|p| p.abs() > 1e-6));
+}
+
+fn bits(signal: &[f32]) -> Vec<u32> {
+    signal.iter().map(|p| p.to_bits()).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn fast_engine_gives_the_reference_bytes(
+        nx in 50usize..190,
+        ny in 50usize..190,
+        layer in prop_oneof![Just(0usize), Just(7), Just(20)],
+        threads in 1usize..5,
+        scheme in prop_oneof![Just(Scheme::Slf), Just(Scheme::M13)],
+        spread in prop_oneof![Just(Spread::Bilinear), Just(Spread::Kaiser8)],
+        steps in 20usize..70,
+        portable in any::<bool>(),
+        rectangles in prop::collection::vec(prop::array::uniform4(0usize..180), 0..4),
+    ) {
+        let grid = grid(nx, ny);
+        let rectangles: Vec<_> = rectangles.iter().map(|&[x, y, w, h]| [x, y, 2 + w / 8, 2 + h / 3]).collect();
+        let setup = FieldSetup::new(&grid, &AIR, scheme, layer, &mask(&grid, &rectangles));
+        let instructions = if portable { InstructionSet::Portable } else { InstructionSet::detect() };
+        compare(&setup, &forcing(&grid, spread, steps), threads, instructions);
+    }
+}

@@ -1,12 +1,19 @@
 //! The papers' studies: simulate recordings, localize, measure, draw, check; behind the command line tool `echolot`.
 
 pub mod atomic;
+pub mod cache;
 pub mod check;
+pub mod cli;
 pub mod figures;
 pub mod interrupt;
+pub mod laboratory;
 pub mod metrics;
 pub mod preset;
 pub mod progress;
 pub mod provenance;
+pub mod schedule;
+pub mod simulate;
+pub mod study;
 pub mod summary;
 pub mod table;
+pub mod trials;

@@ -1,3 +1,30 @@
 //! The command line tool `echolot`.
 
-fn main() {}
+use std::process::ExitCode;
+
+use clap::Parser;
+use experiments::check::CheckFailed;
+use experiments::cli::Cli;
+use experiments::interrupt::{self, Interrupted};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = interrupt::watch().and_then(|()| cli.run());
+    let Err(error) = result else {
+        return ExitCode::SUCCESS;
+    };
+    let code = if error.chain().any(|cause| cause.is::<Interrupted>()) {
+        interrupt::EXIT_CODE
+    } else if error.chain().any(|cause| cause.is::<CheckFailed>()) {
+        1
+    } else {
+        2
+    };
+    // One line, whatever the causes hold.
+    let text = format!("{error:#}")
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    eprintln!("error: {text}");
+    ExitCode::from(code)
+}

@@ -91,6 +91,17 @@ pub struct Entry {
     pub text: String,
 }
 
+impl Entry {
+    /// An entry for a line.
+    pub fn line(stroke: Stroke, text: &str) -> Self {
+        Self {
+            stroke: Some(stroke),
+            marker: None,
+            text: text.to_string(),
+        }
+    }
+}
+
 /// Axes in a rectangle of a canvas.
 pub struct Axes<'a> {
     canvas: &'a Canvas,

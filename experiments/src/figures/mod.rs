@@ -4,6 +4,8 @@ pub mod axes;
 pub mod canvas;
 pub mod colour;
 pub mod layout;
+pub mod scene;
+pub mod snapshot;
 
 mod error_distribution;
 mod estimated_paths;

@@ -1,0 +1,221 @@
+//! The cache: recordings and trials, found again by a hash of all that determines them.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use fdtd::scene::Scene;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use sha2::{Digest, Sha256};
+
+use crate::atomic;
+use crate::simulate::{Engine, Take};
+
+/// Version of the files in the cache.
+const FORMAT: u32 = 1;
+
+/// Spacing in seconds at which a drive path enters a key.
+const PATH_STEP_S: f64 = 0.01;
+
+/// A key that is built up from named values.
+pub struct Key {
+    hash: Sha256,
+}
+
+impl Key {
+    /// A key for things of this kind.
+    pub fn new(kind: &str) -> Self {
+        let mut key = Self {
+            hash: Sha256::new(),
+        };
+        key.text("kind", kind);
+        key.numbers("format", &[f64::from(FORMAT)]);
+        key
+    }
+
+    /// Adds a text.
+    pub fn text(&mut self, name: &str, value: &str) {
+        for part in [name, value] {
+            self.hash.update((part.len() as u64).to_le_bytes());
+            self.hash.update(part.as_bytes());
+        }
+    }
+
+    /// Adds numbers, bit for bit.
+    pub fn numbers(&mut self, name: &str, values: &[f64]) {
+        self.text("numbers", name);
+        self.hash.update((values.len() as u64).to_le_bytes());
+        for value in values {
+            self.hash.update(value.to_bits().to_le_bytes());
+        }
+    }
+
+    /// Adds anything that serializes.
+    ///
+    /// # Errors
+    /// When it does not.
+    pub fn value(&mut self, name: &str, value: &impl Serialize) -> Result<()> {
+        self.text(name, &serde_json::to_string(value)?);
+        Ok(())
+    }
+
+    /// The key as 20 hexadecimal digits.
+    pub fn finish(self) -> String {
+        let digest = self.hash.finalize();
+        digest
+            .iter()
+            .take(10)
+            .map(|byte| format!("{byte:02x}"))
+            .collect()
+    }
+}
+
+/// A hash of a signal's exact samples.
+pub fn hash_of_samples(samples: &[f32]) -> String {
+    let mut key = Key::new("samples");
+    let numbers: Vec<f64> = samples.iter().map(|sample| f64::from(*sample)).collect();
+    key.numbers("samples", &numbers);
+    key.finish()
+}
+
+/// Key of the recording that `take` makes of `scene`. `engine_print` stands for the engine's code (see
+/// [`crate::simulate::engine_print`]); names and descriptions do not matter, nor how a path was written, only where it leads.
+///
+/// # Errors
+/// When the scene has no such path.
+pub fn recording_key(scene: &Scene, take: &Take, engine_print: &str) -> Result<String> {
+    let path = scene.path(&take.path)?;
+    let mut key = Key::new("recording");
+    key.text("engine print", engine_print);
+    key.value("engine", &take.engine)?;
+    key.value("free field", &take.free_field)?;
+    key.numbers("odometry bias", &[take.odometry_bias_radps]);
+    key.numbers(
+        "medium and grid",
+        &[
+            scene.medium.c_mps,
+            scene.medium.rho_kgpm3,
+            scene.grid.nx as f64,
+            scene.grid.ny as f64,
+            scene.grid.dx_m,
+            scene.grid.dt_s,
+            scene.layer_cells as f64,
+            scene.sample_rate_hz,
+        ],
+    );
+    key.numbers("loudspeaker", &scene.robot.loudspeaker_offset_m);
+    key.numbers("microphone", &scene.robot.microphone_offset_m);
+    let waveform = &scene.waveform;
+    key.numbers(
+        "code",
+        &[
+            f64::from(waveform.code_length),
+            waveform.chip_rate_hz,
+            waveform.carrier_hz,
+        ],
+    );
+    key.numbers("band", &waveform.band_hz);
+    if take.engine == Engine::Fdtd {
+        key.value("scheme", &take.scheme.unwrap_or(scene.scheme))?;
+        key.value("spread", &take.spread.unwrap_or(scene.spread))?;
+    }
+    if !take.free_field {
+        for wall in &scene.walls {
+            let corners: Vec<f64> = wall.points_m.iter().flatten().copied().collect();
+            key.numbers("wall", &corners);
+            key.numbers("thickness", &[wall.thickness_m]);
+        }
+    }
+    let steps = (path.duration_s() / PATH_STEP_S).floor() as usize;
+    let course: Vec<f64> = (0..=steps)
+        .flat_map(|step| {
+            let state = path.state_at(step as f64 * PATH_STEP_S);
+            [state.x_m, state.y_m, state.heading_rad]
+        })
+        .collect();
+    key.numbers("duration", &[path.duration_s()]);
+    key.numbers("course", &course);
+    Ok(key.finish())
+}
+
+/// A folder of cached things.
+#[derive(Debug, Clone)]
+pub struct Cache {
+    folder: PathBuf,
+}
+
+impl Cache {
+    /// The cache in `folder`, which is made when something is put into it.
+    pub fn new(folder: impl Into<PathBuf>) -> Self {
+        Self {
+            folder: folder.into(),
+        }
+    }
+
+    /// Folder of the recording with this key.
+    pub fn recording(&self, key: &str) -> PathBuf {
+        self.folder.join("recordings").join(key)
+    }
+
+    /// Checkpoint of the recording with this key while it is simulated.
+    pub fn checkpoint(&self, key: &str) -> PathBuf {
+        self.folder
+            .join("checkpoints")
+            .join(format!("{key}.checkpoint"))
+    }
+
+    fn entry(&self, kind: &str, key: &str) -> PathBuf {
+        self.folder.join(kind).join(format!("{key}.json"))
+    }
+
+    /// A cached value, if it is there and whole.
+    pub fn get<T: DeserializeOwned>(&self, kind: &str, key: &str) -> Option<T> {
+        let text = std::fs::read_to_string(self.entry(kind, key)).ok()?;
+        serde_json::from_str(&text).ok()
+    }
+
+    /// Puts a value into the cache.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn put(&self, kind: &str, key: &str, value: &impl Serialize) -> Result<()> {
+        let path: &Path = &self.entry(kind, key);
+        let text = serde_json::to_string(value).with_context(|| path.display().to_string())?;
+        atomic::write(path, text.as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_stable_and_tell_names_from_values() {
+        let build = |parts: &[(&str, &str)]| {
+            let mut key = Key::new("test");
+            for (name, value) in parts {
+                key.text(name, value);
+            }
+            key.finish()
+        };
+        assert_eq!(build(&[("a", "b")]), build(&[("a", "b")]));
+        assert_ne!(build(&[("a", "b")]), build(&[("ab", "")]));
+        assert_ne!(
+            build(&[("a", "b"), ("c", "d")]),
+            build(&[("c", "d"), ("a", "b")])
+        );
+        // Written down: a change of this value makes every cache useless.
+        assert_eq!(build(&[("a", "b")]).len(), 20);
+    }
+
+    #[test]
+    fn the_cache_gives_back_what_was_put_and_forgets_what_is_broken() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::new(folder.path());
+        assert_eq!(cache.get::<Vec<f64>>("trials", "k"), None);
+        cache.put("trials", "k", &[1.0, 2.5]).unwrap();
+        assert_eq!(cache.get::<Vec<f64>>("trials", "k"), Some(vec![1.0, 2.5]));
+        std::fs::write(folder.path().join("trials/k.json"), "[1.0,").unwrap();
+        assert_eq!(cache.get::<Vec<f64>>("trials", "k"), None);
+    }
+}

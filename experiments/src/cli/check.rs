@@ -1,0 +1,69 @@
+//! `echolot check`.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use super::print_json;
+use crate::check::gate::{self, Baseline};
+use crate::check::{CheckFailed, claims};
+use crate::preset::Preset;
+use crate::summary::Summary;
+
+/// Arguments of `check`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  echolot check --preset quick\n\n\
+    quick: fails when an error lies above its baseline by more than the baseline's interval and 10 %.\n\
+    paper: fails when a claim of the papers is not reproduced.")]
+pub(crate) struct Arguments {
+    /// Preset that is checked.
+    #[arg(long, value_enum, default_value_t = Preset::Quick)]
+    preset: Preset,
+    /// Folder of the results.
+    #[arg(long, value_name = "DIR", default_value = "results")]
+    results: PathBuf,
+    /// Baseline of the regression gate; `experiments/baselines/<preset>.json` unless given.
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// Make the present summary the baseline.
+    #[arg(long)]
+    bless: bool,
+}
+
+impl Arguments {
+    /// Runs the command.
+    pub(crate) fn run(self, json: bool) -> Result<()> {
+        let summary = Summary::read(&self.results.join(self.preset.name()).join("summary.json"))?;
+        let baseline = self.baseline.clone().unwrap_or_else(|| {
+            PathBuf::from(format!("experiments/baselines/{}.json", self.preset.name()))
+        });
+        if self.bless {
+            Baseline::of(&summary).write(&baseline)?;
+            eprintln!("wrote {}", baseline.display());
+            return Ok(());
+        }
+        let (failed, of, what) = if self.preset == Preset::Paper && self.baseline.is_none() {
+            let claims = claims::claims(&summary);
+            if json {
+                print_json(&claims)?;
+            } else {
+                print!("{}", claims::table(&claims));
+            }
+            let failed = claims.iter().filter(|claim| !claim.reproduced).count();
+            (failed, claims.len(), "claims not reproduced")
+        } else {
+            let verdicts = Baseline::read(&baseline)?.judge(&summary);
+            if json {
+                print_json(&verdicts)?;
+            } else {
+                print!("{}", gate::table(&verdicts));
+            }
+            let failed = verdicts.iter().filter(|verdict| !verdict.passed).count();
+            (failed, verdicts.len(), "measures worse than the baseline")
+        };
+        if failed > 0 {
+            return Err(CheckFailed(format!("{failed} of {of} {what}")).into());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,106 @@
+//! The command line of `echolot`, one file per command.
+
+mod check;
+mod figures;
+mod list;
+mod localize;
+mod map;
+mod run;
+mod scene;
+mod simulate;
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::{Parser, Subcommand};
+use localizer::Parameters;
+use serde::Serialize;
+
+/// Simulate, map and localize with Doppler-resolved echoes, and reproduce the papers' studies.
+///
+/// Exit codes: 0 done, 1 a check failed, 2 bad input or a failure, 130 interrupted.
+#[derive(Debug, Parser)]
+#[command(
+    name = "echolot",
+    version,
+    after_help = "Example:\n  echolot run --preset quick && echolot check --preset quick"
+)]
+pub struct Cli {
+    /// Print results as JSON on standard output.
+    #[arg(long, global = true)]
+    json: bool,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Check or draw a scene file, or print the schema of scene files.
+    Scene(scene::Arguments),
+    /// Simulate a drive in a scene and write the recording.
+    Simulate(simulate::Arguments),
+    /// Build a map from recordings with known poses.
+    Map(map::Arguments),
+    /// Localize the robot of a recording in a map.
+    Localize(localize::Arguments),
+    /// Run the papers' studies.
+    Run(run::Arguments),
+    /// Draw the figures from data files.
+    Figures(figures::Arguments),
+    /// Hold a summary against the baseline (quick) or the papers' claims (paper).
+    Check(check::Arguments),
+    /// List the studies.
+    List(list::Arguments),
+}
+
+impl Cli {
+    /// Does what was asked for.
+    ///
+    /// # Errors
+    /// One error that says what was wrong with which file; [`crate::check::CheckFailed`] and
+    /// [`crate::interrupt::Interrupted`] have exit codes of their own.
+    pub fn run(self) -> Result<()> {
+        let json = self.json;
+        match self.command {
+            Command::Scene(arguments) => arguments.run(json),
+            Command::Simulate(arguments) => arguments.run(json),
+            Command::Map(arguments) => arguments.run(json),
+            Command::Localize(arguments) => arguments.run(json),
+            Command::Run(arguments) => arguments.run(json),
+            Command::Figures(arguments) => arguments.run(json),
+            Command::Check(arguments) => arguments.run(json),
+            Command::List(arguments) => arguments.run(json),
+        }
+    }
+}
+
+/// Where the parameters of the localizer come from.
+#[derive(Debug, Clone, clap::Args)]
+struct ParameterArguments {
+    /// JSON file with parameters of the localizer; those it leaves out keep the paper's values.
+    #[arg(long, value_name = "FILE")]
+    parameters: Option<PathBuf>,
+}
+
+impl ParameterArguments {
+    /// Reads the file, if one was given.
+    fn read(&self) -> Result<Parameters> {
+        let Some(path) = &self.parameters else {
+            return Ok(Parameters::default());
+        };
+        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        serde_json::from_str(&text).with_context(|| path.display().to_string())
+    }
+}
+
+/// A spelling in files (`slf`, `kaiser8`) as an argument.
+fn named<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
+    serde_json::from_value(serde_json::Value::String(text.to_string()))
+        .map_err(|error| error.to_string())
+}
+
+/// Prints a value as indented JSON.
+fn print_json(value: &impl Serialize) -> Result<()> {
+    println!("{}", serde_json::to_string_pretty(value)?);
+    Ok(())
+}

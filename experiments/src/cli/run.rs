@@ -1,0 +1,99 @@
+//! `echolot run`.
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+
+use super::{ParameterArguments, print_json};
+use crate::figures;
+use crate::laboratory::{Laboratory, Request};
+use crate::preset::Preset;
+use crate::simulate::Engine;
+use crate::study::{STUDIES, Study, run, table};
+
+/// Arguments of `run`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  echolot run --preset paper\n  echolot run odometry-drift snr --preset paper\n\n\
+    Recordings and trials are cached: what is there is not computed again, and an interrupted run goes on where it stopped. \
+    `echolot list` names the studies."
+)]
+pub(crate) struct Arguments {
+    /// Studies; those of the preset unless given.
+    #[arg(value_name = "STUDY")]
+    studies: Vec<String>,
+    /// Size of the run.
+    #[arg(long, value_enum, default_value_t = Preset::Paper)]
+    preset: Preset,
+    /// Folder of the results.
+    #[arg(long, value_name = "DIR", default_value = "results")]
+    results: PathBuf,
+    /// Folder of the cache; `cache` in the results folder unless given.
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// What computes the sound: the field, or image sources (approximate, seconds).
+    #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
+    engine: Engine,
+    /// Threads; 0 takes all.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    threads: usize,
+    /// Simulations that run side by side, each on its share of the threads.
+    #[arg(long, default_value_t = 2, value_name = "N")]
+    side_by_side: usize,
+    /// Leave out the figures.
+    #[arg(long)]
+    no_figures: bool,
+    #[command(flatten)]
+    parameters: ParameterArguments,
+}
+
+/// The studies with these names, or those of the preset, in their own order.
+fn chosen(names: &[String], preset: Preset) -> Result<Vec<&'static Study>> {
+    if let Some(name) = names
+        .iter()
+        .find(|name| STUDIES.iter().all(|study| study.name != **name))
+    {
+        let known: Vec<&str> = STUDIES.iter().map(|study| study.name).collect();
+        bail!(
+            "study: {name}: is not known; choose from {}",
+            known.join(", ")
+        );
+    }
+    Ok(STUDIES
+        .iter()
+        .filter(|study| match names.is_empty() {
+            true => study.presets.contains(&preset),
+            false => names.iter().any(|name| name == study.name),
+        })
+        .collect())
+}
+
+impl Arguments {
+    /// Runs the command.
+    pub(crate) fn run(self, json: bool) -> Result<()> {
+        let studies = chosen(&self.studies, self.preset)?;
+        if self.threads > 0 {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(self.threads)
+                .build_global()?;
+        }
+        let lab = Laboratory::open(&Request {
+            preset: self.preset,
+            cache: self.cache.unwrap_or_else(|| self.results.join("cache")),
+            results: self.results,
+            engine: self.engine,
+            parameters: self.parameters.read()?,
+            side_by_side: self.side_by_side,
+        })?;
+        let summary = run(&lab, &studies)?;
+        if !self.no_figures {
+            figures::draw_all(lab.results())?;
+        }
+        if json {
+            return print_json(&summary);
+        }
+        print!("{}", table(&summary));
+        eprintln!("results in {}", lab.results().display());
+        Ok(())
+    }
+}

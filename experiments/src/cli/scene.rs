@@ -1,0 +1,102 @@
+//! `echolot scene`.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Subcommand;
+use fdtd::scene::Scene;
+
+use super::print_json;
+use crate::figures::scene::draw;
+
+/// Arguments of `scene`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  echolot scene check scenes/four_walls.json\n  echolot scene draw scenes/four_walls.json -o scene.png"
+)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Check a scene file and print what it holds.
+    #[command(after_help = "Example:\n  echolot scene check scenes/quick.json --json")]
+    Check {
+        /// The scene file.
+        file: PathBuf,
+    },
+    /// Draw walls, drive paths and absorbing layer.
+    #[command(after_help = "Example:\n  echolot scene draw scenes/quick.json -o quick.png")]
+    Draw {
+        /// The scene file.
+        file: PathBuf,
+        /// The picture (PNG).
+        #[arg(short, long, value_name = "PNG")]
+        output: PathBuf,
+    },
+    /// Print the JSON schema of scene files.
+    #[command(after_help = "Example:\n  echolot scene schema > scenes/scene.schema.json")]
+    Schema,
+}
+
+impl Arguments {
+    /// Runs the command.
+    pub(crate) fn run(self, json: bool) -> Result<()> {
+        match self.command {
+            Command::Check { file } => check(&Scene::load(&file)?, json),
+            Command::Draw { file, output } => {
+                draw(&Scene::load(&file)?, &output)?;
+                eprintln!("wrote {}", output.display());
+                Ok(())
+            }
+            Command::Schema => print_json(&Scene::json_schema()),
+        }
+    }
+}
+
+/// Prints what a scene holds.
+fn check(scene: &Scene, json: bool) -> Result<()> {
+    let [width_m, height_m] = scene.grid.size_m();
+    let courant = scene.grid.courant(&scene.medium);
+    let upper_hz = scene.waveform.band_hz[1];
+    let cells_per_wavelength = scene.medium.c_mps / upper_hz / scene.grid.dx_m;
+    if json {
+        let paths: serde_json::Map<String, serde_json::Value> = scene
+            .paths
+            .iter()
+            .map(|(name, path)| {
+                (
+                    name.clone(),
+                    serde_json::json!({"duration_s": path.duration_s()}),
+                )
+            })
+            .collect();
+        return print_json(&serde_json::json!({
+            "name": scene.name,
+            "cells": scene.grid.cells(),
+            "size_m": [width_m, height_m],
+            "scheme": scene.scheme,
+            "spread": scene.spread,
+            "courant": courant,
+            "cells_per_wavelength": cells_per_wavelength,
+            "walls": scene.walls.len(),
+            "paths": paths,
+        }));
+    }
+    println!("{}: ok", scene.name);
+    println!(
+        "  grid      {} x {} cells, {width_m} m x {height_m} m, Courant number {courant:.4}",
+        scene.grid.nx, scene.grid.ny
+    );
+    println!(
+        "  scheme    {}, {cells_per_wavelength:.2} cells per wavelength at {upper_hz} Hz",
+        scene.scheme.name()
+    );
+    println!("  walls     {}", scene.walls.len());
+    for (name, path) in &scene.paths {
+        println!("  path      {name}, {:.1} s", path.duration_s());
+    }
+    Ok(())
+}

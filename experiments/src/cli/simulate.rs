@@ -1,0 +1,175 @@
+//! `echolot simulate`.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Result, bail};
+use fdtd::scene::Scene;
+use fdtd::scheme::Scheme;
+use fdtd::spread::Spread;
+
+use super::{named, print_json};
+use crate::atomic;
+use crate::progress::{Board, duration};
+use crate::schedule;
+use crate::simulate::{self, Checkpoint, Engine, ODOMETRY_BIAS_RADPS, Snapshots, Take};
+
+/// Arguments of `simulate`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  echolot simulate scenes/quick.json --path localization -o recordings/quick\n\n\
+    An interrupted simulation leaves a checkpoint beside the recording; the same command with --resume goes on and gives the same bytes."
+)]
+pub(crate) struct Arguments {
+    /// The scene file.
+    scene: PathBuf,
+    /// Drive path of the scene.
+    #[arg(long, value_name = "NAME")]
+    path: String,
+    /// Folder of the recording.
+    #[arg(short, long, value_name = "RECORDING")]
+    output: PathBuf,
+    /// Leave out the walls: the direct wave alone.
+    #[arg(long)]
+    free_field: bool,
+    /// Simulate the drive without walls too and write it as direct.wav.
+    #[arg(long, conflicts_with = "free_field")]
+    with_direct: bool,
+    /// Scheme of the field, slf or m13; the scene's unless given.
+    #[arg(long, value_parser = named::<Scheme>)]
+    scheme: Option<Scheme>,
+    /// Spreading of source and receiver, bilinear or kaiser8; the scene's unless given.
+    #[arg(long, value_parser = named::<Spread>)]
+    spread: Option<Spread>,
+    /// What computes the sound: the field, or image sources (approximate, seconds).
+    #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
+    engine: Engine,
+    /// Threads; 0 takes all.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    threads: usize,
+    /// Go on from the checkpoint of an interrupted simulation.
+    #[arg(long)]
+    resume: bool,
+    /// Folder for pictures of the field.
+    #[arg(long, value_name = "DIR", requires = "every")]
+    snapshots: Option<PathBuf>,
+    /// Time between two pictures, seconds of the drive.
+    #[arg(long, value_name = "SECONDS", requires = "snapshots")]
+    every: Option<f64>,
+    /// Steady error of the odometry's turn rate, rad/s.
+    #[arg(long, default_value_t = ODOMETRY_BIAS_RADPS, value_name = "RAD_PER_S", allow_hyphen_values = true)]
+    odometry_bias: f64,
+}
+
+impl Arguments {
+    /// The take that was asked for.
+    fn take(&self) -> Result<Take> {
+        if !self.odometry_bias.is_finite() {
+            bail!(
+                "--odometry-bias: {} is not finite; give a number",
+                self.odometry_bias
+            );
+        }
+        Ok(Take {
+            scheme: self.scheme,
+            spread: self.spread,
+            free_field: self.free_field,
+            odometry_bias_radps: self.odometry_bias,
+            ..Take::of(&self.path, self.engine)
+        })
+    }
+
+    /// The pictures that were asked for.
+    fn pictures(&self) -> Result<Option<Snapshots>> {
+        match (&self.snapshots, self.every) {
+            (Some(folder), Some(every_s)) if every_s.is_finite() && every_s > 0.0 => {
+                Ok(Some(Snapshots {
+                    folder: folder.clone(),
+                    every_s,
+                }))
+            }
+            (Some(_), Some(every_s)) => {
+                bail!("--every: {every_s} is no time; give a positive number of seconds")
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// A file beside the recording.
+    fn beside(&self, ending: &str) -> PathBuf {
+        let mut name = self.output.file_name().unwrap_or_default().to_os_string();
+        name.push(ending);
+        self.output.with_file_name(name)
+    }
+
+    /// Runs the command.
+    pub(crate) fn run(self, json: bool) -> Result<()> {
+        let mut scene = Scene::load(&self.scene)?;
+        // Another scheme may have another stability limit or reach.
+        scene.scheme = self.scheme.unwrap_or(scene.scheme);
+        scene.spread = self.spread.unwrap_or(scene.spread);
+        scene.check(&self.scene.display().to_string())?;
+        let take = self.take()?;
+        let pictures = self.pictures()?;
+        scene.path(&take.path)?;
+        let board = Board::new();
+        let estimate = match take.engine {
+            Engine::Fdtd => {
+                let estimate = schedule::estimate(&scene, &take, self.threads)?;
+                board.say(format!("{}, {}: {estimate}", scene.name, take.path));
+                Some(estimate)
+            }
+            Engine::ImageSource => None,
+        };
+        let started = Instant::now();
+        let record = |take: &Take, ending: &str, pictures: Option<&Snapshots>| {
+            let steps = estimate.map_or(1, |estimate| estimate.steps);
+            let task = board.task(&take.path, steps);
+            let checkpoint = Checkpoint {
+                path: self.beside(ending),
+                resume: self.resume,
+            };
+            simulate::signal(
+                &scene,
+                take,
+                self.threads,
+                Some(&checkpoint),
+                pictures,
+                &task,
+            )
+            .map(|signal| (signal, checkpoint.path))
+        };
+        let (signal, checkpoint) = record(&take, ".checkpoint", pictures.as_ref())?;
+        let mut leftovers = vec![checkpoint];
+        let direct = if self.with_direct {
+            let (direct, checkpoint) = record(&take.in_free_field(), ".direct.checkpoint", None)?;
+            leftovers.push(checkpoint);
+            Some(direct)
+        } else {
+            None
+        };
+        let seconds = started.elapsed().as_secs_f64();
+        let mut recording = simulate::recording(&scene, &take, signal, seconds)?;
+        recording.direct = direct;
+        atomic::write_folder(&self.output, |folder| Ok(recording.write(folder)?))?;
+        for path in leftovers.iter().filter(|path| path.exists()) {
+            std::fs::remove_file(path)?;
+        }
+        if json {
+            return print_json(&serde_json::json!({
+                "recording": self.output,
+                "samples": recording.signal.len(),
+                "duration_s": recording.duration_s(),
+                "seconds": seconds,
+                "estimate": estimate,
+            }));
+        }
+        eprintln!(
+            "wrote {} ({:.1} s of sound) in {}",
+            self.output.display(),
+            recording.duration_s(),
+            duration(seconds)
+        );
+        Ok(())
+    }
+}

@@ -1,0 +1,85 @@
+//! A picture of a scene: walls, drive paths and absorbing layer.
+
+use std::path::Path;
+
+use anyhow::Result;
+use fdtd::scene::Scene;
+
+use super::axes::{Entry, legend};
+use super::canvas::{self, Stroke};
+use super::colour;
+use super::layout::{Layout, LayoutWall, path};
+
+/// Spacing of the drawn points of a path, seconds.
+const STEP_S: f64 = 0.05;
+
+const STROKES: [Stroke; 4] = [
+    Stroke::solid(colour::BLUE, 5.0),
+    Stroke::solid(colour::GREEN, 3.5).dashed(&[16.0, 8.0]),
+    Stroke::solid(colour::VERMILLION, 4.0).dashed(&[6.0, 8.0]),
+    Stroke::solid(colour::PURPLE, 4.0).dashed(&[22.0, 9.0, 5.0, 9.0]),
+];
+
+/// The walls and the size of a scene.
+pub fn layout_of(scene: &Scene) -> Layout {
+    Layout {
+        name: scene.name.clone(),
+        size_m: scene.grid.size_m(),
+        layer_m: scene.layer_cells as f64 * scene.grid.dx_m,
+        walls: scene
+            .walls
+            .iter()
+            .map(|wall| LayoutWall {
+                points_m: wall.points_m.clone(),
+                thickness_m: wall.thickness_m,
+            })
+            .collect(),
+    }
+}
+
+/// Draws the scene.
+///
+/// # Errors
+/// When the picture cannot be written.
+pub fn draw(scene: &Scene, picture: &Path) -> Result<()> {
+    let layout = layout_of(scene);
+    canvas::draw(picture, 1600, 1100, |sheet| {
+        let axes = layout.axes(sheet, [120.0, 80.0, 1030.0, 990.0]);
+        axes.grid()?;
+        layout.layer(&axes)?;
+        layout.walls(&axes, Stroke::solid(colour::BLACK, 7.0))?;
+        let mut entries = vec![
+            Entry::line(Stroke::solid(colour::BLACK, 8.0), "rigid wall"),
+            Entry::line(
+                Stroke::solid(colour::SKY, 26.0).faint(0.35),
+                "absorbing layer",
+            ),
+        ];
+        for (index, (name, drive)) in scene.paths.iter().enumerate() {
+            let stroke = STROKES[index % STROKES.len()];
+            let steps = (drive.duration_s() / STEP_S).ceil() as usize;
+            let points: Vec<(f64, f64)> = (0..=steps)
+                .map(|step| drive.point_at(step as f64 * STEP_S, [0.0, 0.0]))
+                .map(|[x, y]| (x, y))
+                .collect();
+            path(&axes, &points, stroke)?;
+            entries.push(Entry::line(
+                stroke,
+                &format!("{name}, {:.0} s", drive.duration_s()),
+            ));
+        }
+        axes.finish(&scene.name)?;
+        let mut y = 110.0;
+        for entry in entries {
+            y += legend(sheet, [1080.0, y], 500.0, &[entry])? + 10.0;
+        }
+        sheet.text(
+            "\u{25cf} start   \u{25a0} end",
+            [1080.0, y + 26.0],
+            (1, 0),
+            28.0,
+            false,
+            false,
+        )
+    })
+}

@@ -1,0 +1,77 @@
+//! A picture of the pressure field at one time, with walls and robot.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use fdtd::scene::Scene;
+use fdtd::walls::rasterize;
+
+use super::canvas::write_png;
+use crate::metrics::quantile;
+
+/// Draws the frame (columns, rows, pressures `[iy, ix]` in Pa) of the drive `path` at `t_s` into `folder`; the file name holds the time in
+/// microseconds. Red is pressure above, blue below the mean; the scale is the frame's own.
+///
+/// # Errors
+/// When the scene has no such path or the picture cannot be written.
+pub fn draw(
+    scene: &Scene,
+    path: &str,
+    t_s: f64,
+    frame: &(usize, usize, Vec<f32>),
+    folder: &Path,
+) -> Result<PathBuf> {
+    let (columns, rows, pressures) = frame;
+    let magnitudes: Vec<f64> = pressures
+        .iter()
+        .step_by(17)
+        .map(|value| f64::from(value.abs()))
+        .collect();
+    let full = quantile(&magnitudes, 0.995).max(f64::MIN_POSITIVE);
+    // A drive in free field has a domain of its own, without walls.
+    let whole = (*columns, *rows) == (scene.grid.nx, scene.grid.ny);
+    let solid = rasterize(&scene.grid, if whole { &scene.walls } else { &[] });
+    let robot = scene
+        .grid
+        .to_cells(scene.path(path)?.point_at(t_s, [0.0, 0.0]));
+    let mut pixels = Vec::with_capacity(3 * columns * rows);
+    for iy in (0..*rows).rev() {
+        for ix in 0..*columns {
+            let index = iy * columns + ix;
+            let distance = (ix as f64 - robot[0]).hypot(iy as f64 - robot[1]);
+            pixels.extend(if whole && solid.cells.get(index) == Some(&true) {
+                [0, 0, 0]
+            } else if whole && distance < 5.0 {
+                [0, 158, 115]
+            } else {
+                shade(f64::from(pressures[index]) / full)
+            });
+        }
+    }
+    let picture = folder.join(format!("pressure_{:09.0}us.png", t_s * 1e6));
+    write_png(&picture, *columns as u32, *rows as u32, &pixels)?;
+    Ok(picture)
+}
+
+/// Blue below zero, white at zero, red above.
+fn shade(value: f64) -> [u8; 3] {
+    let strength = value.abs().min(1.0).sqrt();
+    let end = if value > 0.0 {
+        [178.0, 34.0, 24.0]
+    } else {
+        [20.0, 80.0, 160.0]
+    };
+    end.map(|channel| (255.0 + strength * (channel - 255.0)).round() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shade;
+
+    #[test]
+    fn silence_is_white_and_signs_differ() {
+        assert_eq!(shade(0.0), [255, 255, 255]);
+        assert_ne!(shade(0.5), shade(-0.5));
+        assert_eq!(shade(7.0), shade(1.0));
+    }
+}

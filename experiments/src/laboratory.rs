@@ -1,0 +1,263 @@
+//! The laboratory: the scene, the parameters and the cache that all studies of a run share.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use anyhow::{Context, Result};
+use fdtd::scene::Scene;
+use fdtd::scheme::Scheme;
+use localizer::map_image::{self, MapImage};
+use localizer::{DirectWave, EchoSequence, Parameters, Recording, echoes};
+
+use crate::cache::{Cache, recording_key};
+use crate::preset::{Plan, Preset};
+use crate::progress::Board;
+use crate::schedule::{self, Job};
+use crate::simulate::{self, Engine, Take};
+
+/// What a run is asked for.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// The preset.
+    pub preset: Preset,
+    /// Folder of the results; the preset's folder is below it.
+    pub results: PathBuf,
+    /// Folder of the cache.
+    pub cache: PathBuf,
+    /// What computes the sound.
+    pub engine: Engine,
+    /// Parameters of the localizer where the preset does not set them.
+    pub parameters: Parameters,
+    /// Simulations side by side.
+    pub side_by_side: usize,
+}
+
+/// Everything that the studies of one run share.
+pub struct Laboratory {
+    /// The preset.
+    pub preset: Preset,
+    /// Its cells.
+    pub plan: Plan,
+    /// The scene.
+    pub scene: Scene,
+    /// Parameters of the localizer at the preset's default window and periods.
+    pub parameters: Parameters,
+    /// Progress.
+    pub board: Board,
+    /// The cache.
+    pub cache: Cache,
+    /// Threads to use.
+    pub threads: usize,
+    results: PathBuf,
+    engine: Engine,
+    side_by_side: usize,
+    prints: Mutex<HashMap<String, String>>,
+    maps: Mutex<HashMap<String, Arc<MapImage>>>,
+}
+
+impl Laboratory {
+    /// Loads the scene of the preset.
+    ///
+    /// # Errors
+    /// When the scene file cannot be used or the parameters are refused.
+    pub fn open(request: &Request) -> Result<Self> {
+        let plan = request.preset.plan();
+        let scene = Scene::load(&plan.scene)?;
+        let parameters = Parameters {
+            window_half_width_m: plan.half_width_m,
+            periods: plan.periods,
+            ..simulate::parameters_of(&scene, &request.parameters)
+        };
+        parameters.check()?;
+        Ok(Self {
+            preset: request.preset,
+            plan,
+            scene,
+            parameters,
+            board: Board::new(),
+            cache: Cache::new(&request.cache),
+            threads: rayon::current_num_threads(),
+            results: request.results.join(request.preset.name()),
+            engine: request.engine,
+            side_by_side: request.side_by_side,
+            prints: Mutex::default(),
+            maps: Mutex::default(),
+        })
+    }
+
+    /// Folder of the results of this preset.
+    pub fn results(&self) -> &Path {
+        &self.results
+    }
+
+    /// A data file of this preset.
+    pub fn data(&self, name: &str) -> PathBuf {
+        self.results.join("data").join(name)
+    }
+
+    /// Name of the scheme that the scene's field uses, or of the engine that takes its place.
+    pub fn scheme_name(&self) -> String {
+        match self.engine {
+            Engine::Fdtd => self.scene.scheme.name().to_string(),
+            Engine::ImageSource => Engine::ImageSource.name().to_string(),
+        }
+    }
+
+    /// Whether the sound comes from the field.
+    pub fn has_field(&self) -> bool {
+        self.engine == Engine::Fdtd
+    }
+
+    /// The take of a drive path with a scheme (the scene's when `None`).
+    pub fn take(&self, path: &str, scheme: Option<Scheme>) -> Take {
+        Take {
+            scheme: scheme.filter(|_| self.has_field()),
+            ..Take::of(path, self.engine)
+        }
+    }
+
+    /// Takes that localization with a scheme needs.
+    pub fn takes(&self, scheme: Option<Scheme>) -> Vec<Take> {
+        let walls = ["mapping", "localization"].map(|path| self.take(path, scheme));
+        let mut takes = walls.to_vec();
+        if self.parameters.direct_wave == DirectWave::FreeField {
+            takes.extend(walls.iter().map(Take::in_free_field));
+        }
+        takes
+    }
+
+    /// Key of a take in the cache.
+    ///
+    /// # Errors
+    /// When the scene has no such path or the engine does not run.
+    pub fn key(&self, take: &Take) -> Result<String> {
+        let engine = format!(
+            "{:?} {:?} {:?} {}",
+            take.engine, take.scheme, take.spread, take.free_field
+        );
+        let known = self
+            .prints
+            .lock()
+            .ok()
+            .and_then(|prints| prints.get(&engine).cloned());
+        let print = match known {
+            Some(print) => print,
+            None => simulate::engine_print(take, &self.scene)?,
+        };
+        if let Ok(mut prints) = self.prints.lock() {
+            prints.insert(engine, print.clone());
+        }
+        recording_key(&self.scene, take, &print)
+    }
+
+    /// Simulates those of the takes that are not in the cache.
+    ///
+    /// # Errors
+    /// When a simulation fails or is interrupted.
+    pub fn record(&self, takes: &[Take]) -> Result<()> {
+        let mut jobs: BTreeMap<String, Job> = BTreeMap::new();
+        for take in takes {
+            let key = self.key(take)?;
+            if !self.cache.recording(&key).is_dir() {
+                let label = self.label(take);
+                let take = take.clone();
+                jobs.insert(key.clone(), Job { label, key, take });
+            }
+        }
+        let jobs: Vec<Job> = jobs.into_values().collect();
+        schedule::run(
+            &self.scene,
+            &jobs,
+            &self.cache,
+            self.threads,
+            self.side_by_side,
+            &self.board,
+        )
+    }
+
+    /// Name of a take for people.
+    pub fn label(&self, take: &Take) -> String {
+        let field = if take.free_field { ", free field" } else { "" };
+        let scheme = match take.scheme {
+            Some(scheme) if self.has_field() => scheme.name().to_string(),
+            _ => self.scheme_name(),
+        };
+        format!("{} {scheme}{field}", take.path)
+    }
+
+    /// The recording of a take, with its direct wave when the parameters or the caller want it.
+    ///
+    /// # Errors
+    /// When it is not in the cache (see [`Self::record`]) or damaged.
+    pub fn recording(&self, take: &Take, with_direct: bool) -> Result<Recording> {
+        let read = |take: &Take| -> Result<Recording> {
+            let folder = self.cache.recording(&self.key(take)?);
+            Recording::read(&folder).with_context(|| format!("recording of {}", self.label(take)))
+        };
+        let mut recording = read(take)?;
+        if with_direct || self.parameters.direct_wave == DirectWave::FreeField {
+            recording.direct = Some(read(&take.in_free_field())?.signal);
+        }
+        Ok(recording)
+    }
+
+    /// The map that localization with these parameters and this scheme is matched with.
+    ///
+    /// # Errors
+    /// When the mapping recording is missing or cannot be measured.
+    pub fn map(&self, scheme: Option<Scheme>, parameters: &Parameters) -> Result<Arc<MapImage>> {
+        let parameters = measurement_of(parameters, &self.parameters);
+        let take = self.take("mapping", scheme);
+        let name = format!(
+            "{} {}",
+            self.key(&take)?,
+            serde_json::to_string(&parameters)?
+        );
+        if let Some(map) = self
+            .maps
+            .lock()
+            .ok()
+            .and_then(|maps| maps.get(&name).cloned())
+        {
+            return Ok(map);
+        }
+        let recording = self.recording(&take, false)?;
+        let sequence = echoes::measure(&recording, &parameters)?;
+        let map = Arc::new(map_of(&recording, &sequence)?);
+        if let Ok(mut maps) = self.maps.lock() {
+            maps.insert(name, Arc::clone(&map));
+        }
+        Ok(map)
+    }
+}
+
+/// The map image of one recording with truth.
+///
+/// # Errors
+/// When the recording has no truth or no moving block.
+pub fn map_of(recording: &Recording, sequence: &EchoSequence) -> Result<MapImage> {
+    let truth = recording
+        .truth
+        .as_ref()
+        .context("recording: truth.tum: is missing; a map needs the true poses of its drive")?;
+    Ok(map_image::build(&[(sequence, &sequence.poses(truth))])?)
+}
+
+/// The parameters with everything that the filter alone uses set to that of `base`: equal for trials that can share measured echoes and map.
+pub fn measurement_of(parameters: &Parameters, base: &Parameters) -> Parameters {
+    Parameters {
+        method: base.method,
+        window_half_width_m: base.window_half_width_m,
+        particles: base.particles,
+        sigma_v_mps: base.sigma_v_mps,
+        sigma_omega_radps: base.sigma_omega_radps,
+        bins: base.bins,
+        integration: base.integration,
+        likelihood_exponent: base.likelihood_exponent,
+        resample_threshold: base.resample_threshold,
+        start_sigma_m: base.start_sigma_m,
+        start_sigma_rad: base.start_sigma_rad,
+        ..parameters.clone()
+    }
+}

@@ -1,0 +1,197 @@
+//! Several simulations side by side: each on its share of the threads, the longest first, all resumable.
+
+use std::collections::VecDeque;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use anyhow::{Context, Result, anyhow};
+use fdtd::scene::Scene;
+use fdtd::simulation::{Flow, Simulation};
+
+use crate::atomic;
+use crate::cache::Cache;
+use crate::interrupt;
+use crate::progress::{Board, duration};
+use crate::simulate::{self, Checkpoint, Engine, Take};
+
+/// Wall-clock time of the speed measurement behind an estimate, seconds.
+const MEASURING_S: f64 = 0.4;
+
+/// A recording that has to be simulated.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// Name for progress and provenance, e.g. `mapping m13`.
+    pub label: String,
+    /// Key in the cache.
+    pub key: String,
+    /// What is recorded.
+    pub take: Take,
+}
+
+/// Size and expected duration of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Estimate {
+    /// Cells of the grid.
+    pub cells: usize,
+    /// Steps in time.
+    pub steps: u64,
+    /// Memory, bytes.
+    pub memory_bytes: u64,
+    /// Expected duration, seconds.
+    pub seconds: f64,
+}
+
+impl std::fmt::Display for Estimate {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            formatter,
+            "{} cells, {} steps, {:.0} MiB, about {}",
+            self.cells,
+            self.steps,
+            self.memory_bytes as f64 / (1024.0 * 1024.0),
+            duration(self.seconds)
+        )
+    }
+}
+
+/// Steps per second that a simulation reaches within about `seconds`.
+///
+/// # Errors
+/// When the field turns non-finite.
+pub fn steps_per_second(simulation: &mut Simulation, seconds: f64) -> Result<f64> {
+    // The first call comes after the field is in the caches.
+    let mut first: Option<(Instant, u64)> = None;
+    let mut rate = 0.0;
+    simulation.run(&mut |progress, _| {
+        let (since, from) = *first.get_or_insert((Instant::now(), progress.step));
+        let elapsed = since.elapsed().as_secs_f64();
+        if progress.step > from {
+            rate = (progress.step - from) as f64 / elapsed.max(1e-9);
+        }
+        if elapsed < seconds && !interrupt::requested() {
+            Flow::Continue
+        } else {
+            Flow::Stop
+        }
+    })?;
+    Ok(rate)
+}
+
+/// Size of a take and its duration on `threads` threads, measured by running it for a moment.
+///
+/// # Errors
+/// When the field refuses the scene.
+pub fn estimate(scene: &Scene, take: &Take, threads: usize) -> Result<Estimate> {
+    let mut simulation = simulate::prepare(scene, take, threads)?;
+    let steps = simulation.steps_total();
+    let rate = steps_per_second(&mut simulation, MEASURING_S)?;
+    Ok(Estimate {
+        cells: simulation.cells(),
+        steps,
+        memory_bytes: simulation.memory_bytes(),
+        seconds: if rate > 0.0 { steps as f64 / rate } else { 0.0 },
+    })
+}
+
+/// Simulates the jobs and puts their recordings into the cache, at most `side_by_side` at a time on `threads` threads in all.
+/// Jobs that were interrupted earlier go on where they stopped.
+///
+/// # Errors
+/// [`interrupt::Interrupted`], or the first job's error.
+pub fn run(
+    scene: &Scene,
+    jobs: &[Job],
+    cache: &Cache,
+    threads: usize,
+    side_by_side: usize,
+    board: &Board,
+) -> Result<()> {
+    if jobs.is_empty() {
+        return Ok(());
+    }
+    let lanes = side_by_side.clamp(1, jobs.len()).min(threads.max(1));
+    let share = (threads / lanes).max(1);
+    let mut seconds_total = 0.0;
+    for job in jobs.iter().filter(|job| job.take.engine == Engine::Fdtd) {
+        let estimate = estimate(scene, &job.take, share)?;
+        board.say(format!(
+            "simulate {}: {estimate} on {share} thread(s)",
+            job.label
+        ));
+        seconds_total += estimate.seconds / lanes as f64;
+    }
+    if seconds_total > 0.0 {
+        board.say(format!(
+            "{} simulation(s), {lanes} side by side: about {} in all; interrupt at any time, the same command goes on",
+            jobs.len(),
+            duration(seconds_total)
+        ));
+    }
+    let mut order: Vec<&Job> = jobs.iter().collect();
+    order.sort_by(|a, b| length_s(scene, b).total_cmp(&length_s(scene, a)));
+    let queue: Mutex<VecDeque<&Job>> = Mutex::new(order.into());
+    let failures: Mutex<Vec<anyhow::Error>> = Mutex::default();
+    std::thread::scope(|scope| {
+        for _ in 0..lanes {
+            scope.spawn(|| {
+                while let Some(job) = next(&queue, &failures) {
+                    if let Err(error) = one(scene, job, cache, share, board)
+                        && let Ok(mut failures) = failures.lock()
+                    {
+                        failures.push(error.context(format!("simulation of {}", job.label)));
+                    }
+                }
+            });
+        }
+    });
+    let mut failures = failures
+        .into_inner()
+        .map_err(|_| anyhow!("a simulation panicked"))?;
+    match failures.is_empty() {
+        true => Ok(()),
+        false => Err(failures.remove(0)),
+    }
+}
+
+/// The next job, unless one failed or the user asked to stop.
+fn next<'a>(
+    queue: &Mutex<VecDeque<&'a Job>>,
+    failures: &Mutex<Vec<anyhow::Error>>,
+) -> Option<&'a Job> {
+    if interrupt::requested() || !failures.lock().ok()?.is_empty() {
+        return None;
+    }
+    queue.lock().ok()?.pop_front()
+}
+
+/// Length of a job's drive.
+fn length_s(scene: &Scene, job: &Job) -> f64 {
+    scene
+        .path(&job.take.path)
+        .map_or(0.0, |path| path.duration_s())
+}
+
+/// Simulates one job into the cache.
+fn one(scene: &Scene, job: &Job, cache: &Cache, threads: usize, board: &Board) -> Result<()> {
+    interrupt::check()?;
+    let steps = (length_s(scene, job) / scene.grid.dt_s).ceil() as u64;
+    let task = board.task(&job.label, steps);
+    let checkpoint = Checkpoint {
+        path: cache.checkpoint(&job.key),
+        resume: true,
+    };
+    let started = Instant::now();
+    let signal = simulate::signal(scene, &job.take, threads, Some(&checkpoint), None, &task)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let recording = simulate::recording(scene, &job.take, signal, seconds)?;
+    atomic::write_folder(&cache.recording(&job.key), |folder| {
+        Ok(recording.write(folder)?)
+    })?;
+    if checkpoint.path.exists() {
+        std::fs::remove_file(&checkpoint.path)
+            .with_context(|| checkpoint.path.display().to_string())?;
+    }
+    task.finish();
+    board.say(format!("simulated {} in {}", job.label, duration(seconds)));
+    Ok(())
+}

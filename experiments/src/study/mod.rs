@@ -1,0 +1,278 @@
+//! The studies. Each takes recordings from the laboratory, writes data files, and fills its part of the summary.
+
+mod engine;
+mod layout;
+mod odometry_drift;
+mod periods;
+mod reflections;
+mod schemes;
+mod snr;
+mod step_time;
+mod window_size;
+
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use localizer::{Method, Parameters};
+
+use crate::check::aligned;
+use crate::interrupt;
+use crate::laboratory::Laboratory;
+use crate::metrics::Accuracy;
+use crate::preset::Preset;
+use crate::provenance::{Provenance, peak_memory_mib};
+use crate::simulate::{Take, simulation_seconds};
+use crate::summary::Summary;
+use crate::trials::Trial;
+
+/// A study.
+pub struct Study {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// What it finds, in one line.
+    pub about: &'static str,
+    /// Its figures.
+    pub figures: &'static str,
+    /// Presets that run it unless told otherwise.
+    pub presets: &'static [Preset],
+    /// The recordings it needs.
+    takes: fn(&Laboratory) -> Vec<Take>,
+    /// Writes its data files and fills its part of the summary.
+    run: fn(&Laboratory, &mut Summary) -> Result<()>,
+}
+
+const BOTH: &[Preset] = &[Preset::Paper, Preset::Quick];
+const PAPER: &[Preset] = &[Preset::Paper];
+
+/// All studies in the order in which they run.
+pub const STUDIES: &[Study] = &[
+    Study {
+        name: "layout",
+        about: "walls, drives, speeds and the map image",
+        figures: "fig04, fig05",
+        presets: BOTH,
+        takes: |lab| lab.takes(None),
+        run: layout::run,
+    },
+    Study {
+        name: "odometry-drift",
+        about: "position error of Doppler, ToA only and odometry with a turn rate that is 0.01 rad/s too high",
+        figures: "fig06",
+        presets: BOTH,
+        takes: |lab| lab.takes(None),
+        run: odometry_drift::run,
+    },
+    Study {
+        name: "window-size",
+        about: "position error over the half-width of the matched window",
+        figures: "fig07",
+        presets: BOTH,
+        takes: |lab| lab.takes(None),
+        run: window_size::run,
+    },
+    Study {
+        name: "reflections",
+        about: "reflected intensity over time beside the distances of ray theory",
+        figures: "fig08",
+        presets: BOTH,
+        takes: |lab| lab.takes(None),
+        run: reflections::run,
+    },
+    Study {
+        name: "periods",
+        about: "position error and paths for several numbers M of periods in a block",
+        figures: "fig_periods",
+        presets: BOTH,
+        takes: |lab| lab.takes(None),
+        run: periods::run,
+    },
+    Study {
+        name: "snr",
+        about: "position error over the signal-to-noise ratio, eqs. (19)-(21)",
+        figures: "fig09",
+        presets: PAPER,
+        takes: snr::takes,
+        run: snr::run,
+    },
+    Study {
+        name: "schemes",
+        about: "position error when the field is computed with the papers' standard leapfrog scheme",
+        figures: "-",
+        presets: PAPER,
+        takes: schemes::takes,
+        run: schemes::run,
+    },
+    Study {
+        name: "step-time",
+        about: "compute time of one step, Doppler bank and filter",
+        figures: "fig17",
+        presets: BOTH,
+        takes: |lab| lab.takes(None),
+        run: step_time::run,
+    },
+    Study {
+        name: "engine",
+        about: "speed of the field computation on the scene",
+        figures: "-",
+        presets: BOTH,
+        takes: |_| Vec::new(),
+        run: engine::run,
+    },
+];
+
+/// Runs studies: first all simulations they need, then one after the other; the summary is written after each.
+///
+/// # Errors
+/// The first failure; what was finished before is on disk, and the same command goes on from there.
+pub fn run(lab: &Laboratory, studies: &[&Study]) -> Result<Summary> {
+    let path = lab.results().join("summary.json");
+    let mut summary = if path.exists() {
+        // Stages of earlier runs stay: a run of one study does not forget the others.
+        let mut summary = Summary::read(&path)?;
+        let (seconds, simulations) = (
+            summary.provenance.seconds,
+            summary.provenance.simulation_seconds,
+        );
+        summary.provenance = Provenance {
+            seconds,
+            simulation_seconds: simulations,
+            ..Provenance::here()
+        };
+        summary
+    } else {
+        Summary::new(lab.preset)
+    };
+    let started = Instant::now();
+    let takes: Vec<Take> = studies
+        .iter()
+        .flat_map(|study| (study.takes)(lab))
+        .collect();
+    lab.record(&takes)?;
+    note_simulations(lab, &takes, &mut summary)?;
+    stage(&mut summary, "simulations", started);
+    for study in studies {
+        interrupt::check()?;
+        let started = Instant::now();
+        (study.run)(lab, &mut summary).with_context(|| format!("study {}", study.name))?;
+        stage(&mut summary, study.name, started);
+        summary.provenance.peak_memory_mib = peak_memory_mib();
+        summary.write(&path)?;
+        lab.board.say(format!(
+            "study {} done in {}",
+            study.name,
+            crate::progress::duration(started.elapsed().as_secs_f64())
+        ));
+    }
+    Ok(summary)
+}
+
+/// Notes how long a stage took.
+fn stage(summary: &mut Summary, name: &str, started: Instant) {
+    let seconds = (started.elapsed().as_secs_f64() * 10.0).round() / 10.0;
+    summary.provenance.seconds.insert(name.to_string(), seconds);
+}
+
+/// Notes how long each recording took when it was simulated.
+fn note_simulations(lab: &Laboratory, takes: &[Take], summary: &mut Summary) -> Result<()> {
+    for take in takes {
+        let recording = lab.recording(take, false)?;
+        let seconds = simulation_seconds(&recording);
+        summary
+            .provenance
+            .simulation_seconds
+            .insert(lab.label(take), seconds);
+    }
+    Ok(())
+}
+
+/// Trials `0..count` of the Doppler method with the scene's scheme and these parameters.
+fn doppler_trials(parameters: &Parameters, count: usize) -> Vec<Trial> {
+    trials_of(parameters, Method::Doppler, count)
+}
+
+/// Trials `0..count` of a method with the scene's scheme.
+fn trials_of(parameters: &Parameters, method: Method, count: usize) -> Vec<Trial> {
+    (0..count as u64)
+        .map(|trial| Trial {
+            scheme: None,
+            parameters: Parameters {
+                method,
+                ..parameters.clone()
+            },
+            trial,
+            noise: None,
+        })
+        .collect()
+}
+
+/// Name of a method in data files.
+fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Doppler => "doppler",
+        Method::ToaOnly => "toa-only",
+        Method::Odometry => "odometry",
+    }
+}
+
+/// The accuracies of a summary as a table.
+pub fn table(summary: &Summary) -> String {
+    let mut rows = vec![
+        [
+            "study",
+            "cell",
+            "MAE [m]",
+            "95 % interval [m]",
+            "90 % below [m]",
+            "trials",
+        ]
+        .map(String::from)
+        .to_vec(),
+    ];
+    let mut add = |study: &str, cell: String, accuracy: &Accuracy| {
+        let [low, high] = accuracy.interval_m;
+        rows.push(vec![
+            study.to_string(),
+            cell,
+            format!("{:.4}", accuracy.mae_m),
+            format!("{low:.4} to {high:.4}"),
+            format!("{:.4}", accuracy.p90_m),
+            accuracy.trials.to_string(),
+        ]);
+    };
+    if let Some(methods) = &summary.odometry_drift {
+        add("odometry-drift", "Doppler".into(), &methods.doppler);
+        add("odometry-drift", "ToA only".into(), &methods.toa_only);
+        add("odometry-drift", "odometry".into(), &methods.odometry);
+    }
+    for cell in &summary.window_size {
+        add(
+            "window-size",
+            format!("{} m", cell.half_width_m),
+            &cell.accuracy,
+        );
+    }
+    for cell in &summary.periods {
+        add("periods", format!("M = {}", cell.m), &cell.accuracy);
+    }
+    for cell in &summary.snr {
+        add("snr", format!("{} dB", cell.snr_db), &cell.accuracy);
+    }
+    if let Some(schemes) = &summary.schemes {
+        add("schemes", "slf, Doppler".into(), &schemes.slf.doppler);
+        add("schemes", "slf, ToA only".into(), &schemes.slf.toa_only);
+    }
+    let mut text = aligned(&rows);
+    if let Some(time) = &summary.step_time_ms {
+        text.push_str(&format!(
+            "step time: Doppler bank {:.2} ms, filter {:.2} ms\n",
+            time.doppler_bank, time.filter
+        ));
+    }
+    if let Some(engine) = &summary.engine {
+        text.push_str(&format!(
+            "engine: {} {:.2} Gcell/s, slf {:.2} Gcell/s, {} threads\n",
+            engine.scheme, engine.gcells_per_s, engine.slf_gcells_per_s, engine.threads
+        ));
+    }
+    text
+}

@@ -1,0 +1,55 @@
+//! How well echoes correct the drift of wheel odometry (Fig. 6).
+
+use anyhow::Result;
+use localizer::Method;
+
+use super::{method_name, trials_of};
+use crate::laboratory::Laboratory;
+use crate::summary::{Methods, Summary};
+use crate::table::{Table, cell};
+use crate::trials::accuracy;
+
+/// Runs the study.
+pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
+    let methods = [
+        (Method::Doppler, lab.plan.trials),
+        (Method::ToaOnly, lab.plan.trials),
+        // Dead reckoning has no random numbers.
+        (Method::Odometry, 1),
+    ];
+    let trials: Vec<_> = methods
+        .iter()
+        .flat_map(|&(method, count)| trials_of(&lab.parameters, method, count))
+        .collect();
+    let results = lab.trials("odometry-drift", &trials)?;
+    let mut paths = Table::new([
+        "method",
+        "trial",
+        "t_s",
+        "x_m",
+        "y_m",
+        "heading_rad",
+        "error_m",
+    ]);
+    for (trial, result) in trials.iter().zip(&results) {
+        for index in 0..result.t_s.len() {
+            paths.push([
+                method_name(trial.parameters.method).to_string(),
+                trial.trial.to_string(),
+                cell(result.t_s[index], 4),
+                cell(result.x_m[index], 4),
+                cell(result.y_m[index], 4),
+                cell(result.heading_rad[index], 4),
+                cell(result.error_m[index], 5),
+            ]);
+        }
+    }
+    paths.write(&lab.data("drift_paths.csv"))?;
+    let count = lab.plan.trials;
+    summary.odometry_drift = Some(Methods {
+        doppler: accuracy(&results[..count]),
+        toa_only: accuracy(&results[count..2 * count]),
+        odometry: accuracy(&results[2 * count..]),
+    });
+    Ok(())
+}

@@ -1,0 +1,56 @@
+//! Position error and paths for several numbers of periods in a block (2023 abstract).
+
+use anyhow::Result;
+use localizer::Parameters;
+
+use super::doppler_trials;
+use crate::laboratory::Laboratory;
+use crate::summary::{PeriodsCell, Summary};
+use crate::table::{Table, cell};
+use crate::trials::accuracy;
+
+/// Runs the study.
+pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
+    let trials: Vec<_> = lab
+        .plan
+        .period_counts
+        .iter()
+        .flat_map(|&periods| {
+            let parameters = Parameters {
+                periods,
+                ..lab.parameters.clone()
+            };
+            doppler_trials(&parameters, lab.plan.trials)
+        })
+        .collect();
+    let results = lab.trials("periods", &trials)?;
+    let mut table = Table::new(["m", "trial", "mae_m"]);
+    let mut paths = Table::new(["m", "t_s", "x_m", "y_m"]);
+    for (trial, result) in trials.iter().zip(&results) {
+        let m = trial.parameters.periods.to_string();
+        table.push([m.clone(), trial.trial.to_string(), cell(result.mae_m(), 6)]);
+        if trial.trial == 0 {
+            for index in 0..result.t_s.len() {
+                paths.push([
+                    m.clone(),
+                    cell(result.t_s[index], 4),
+                    cell(result.x_m[index], 4),
+                    cell(result.y_m[index], 4),
+                ]);
+            }
+        }
+    }
+    table.write(&lab.data("periods.csv"))?;
+    paths.write(&lab.data("periods_paths.csv"))?;
+    summary.periods = lab
+        .plan
+        .period_counts
+        .iter()
+        .zip(results.chunks(lab.plan.trials))
+        .map(|(&m, results)| PeriodsCell {
+            m,
+            accuracy: accuracy(results),
+        })
+        .collect();
+    Ok(())
+}

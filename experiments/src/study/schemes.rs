@@ -1,0 +1,48 @@
+//! Position error when the field is computed with the standard leapfrog scheme, the papers' own.
+
+use anyhow::Result;
+use fdtd::scheme::Scheme;
+use localizer::Method;
+
+use super::{method_name, trials_of};
+use crate::laboratory::Laboratory;
+use crate::simulate::Take;
+use crate::summary::{SchemeAccuracy, Schemes, Summary};
+use crate::table::{Table, cell};
+use crate::trials::{Trial, accuracy};
+
+/// Recordings of the study.
+pub(crate) fn takes(lab: &Laboratory) -> Vec<Take> {
+    lab.takes(Some(Scheme::Slf))
+}
+
+/// Runs the study.
+pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
+    let trials: Vec<Trial> = [Method::Doppler, Method::ToaOnly]
+        .into_iter()
+        .flat_map(|method| trials_of(&lab.parameters, method, lab.plan.trials))
+        .map(|trial| Trial {
+            scheme: Some(Scheme::Slf),
+            ..trial
+        })
+        .collect();
+    let results = lab.trials("schemes", &trials)?;
+    let mut table = Table::new(["scheme", "method", "trial", "mae_m"]);
+    for (trial, result) in trials.iter().zip(&results) {
+        table.push([
+            Scheme::Slf.name().to_string(),
+            method_name(trial.parameters.method).to_string(),
+            trial.trial.to_string(),
+            cell(result.mae_m(), 6),
+        ]);
+    }
+    table.write(&lab.data("schemes.csv"))?;
+    let (doppler, toa_only) = results.split_at(lab.plan.trials);
+    summary.schemes = Some(Schemes {
+        slf: SchemeAccuracy {
+            doppler: accuracy(doppler),
+            toa_only: accuracy(toa_only),
+        },
+    });
+    Ok(())
+}

@@ -1,0 +1,103 @@
+//! Compute time of one step on one thread: Doppler bank and particle filter (Fig. 17).
+
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use localizer::doppler::DopplerBank;
+use localizer::tracker::Tracker;
+use localizer::{EchoSequence, MapImage, Method, Parameters, Recording, echoes};
+
+use crate::laboratory::{Laboratory, measurement_of};
+use crate::metrics::{quantile, rounded};
+use crate::summary::{FilterTime, StepTime, Summary};
+use crate::table::{Table, cell};
+
+/// Blocks left out until the memory is warm.
+const WARM_UP: usize = 3;
+
+/// Milliseconds that each block takes in the Doppler bank, eqs. (1)-(3).
+fn bank_times_ms(
+    lab: &Laboratory,
+    recording: &Recording,
+    sequence: &EchoSequence,
+) -> Result<Vec<f64>> {
+    let bank = DopplerBank::new(&lab.parameters)?;
+    let mut scratch = bank.scratch();
+    let mut intensity = bank.intensity();
+    let period = lab.parameters.samples_per_period();
+    let mut times = Vec::new();
+    for block in sequence.blocks.iter().take(lab.plan.timed_blocks + WARM_UP) {
+        let start = block.index * period;
+        let samples = recording
+            .signal
+            .get(start..start + bank.block_length())
+            .context("the recording is shorter than its blocks")?;
+        let started = Instant::now();
+        bank.measure(samples, block.odometry.v_mps, &mut scratch, &mut intensity);
+        times.push(1e3 * started.elapsed().as_secs_f64());
+    }
+    Ok(times.split_off(WARM_UP.min(times.len())))
+}
+
+/// Milliseconds that each block takes in the particle filter, eqs. (8)-(18).
+fn filter_times_ms(
+    lab: &Laboratory,
+    recording: &Recording,
+    sequence: &EchoSequence,
+    map: &MapImage,
+    parameters: &Parameters,
+) -> Result<Vec<f64>> {
+    let mut tracker = Tracker::new(parameters, recording.start_pose(), 0)?;
+    let mut times = Vec::new();
+    for (index, block) in sequence
+        .blocks
+        .iter()
+        .enumerate()
+        .take(lab.plan.timed_blocks + WARM_UP)
+    {
+        let started = Instant::now();
+        std::hint::black_box(tracker.update(block, sequence.recent_odometry(index), map));
+        times.push(1e3 * started.elapsed().as_secs_f64());
+    }
+    Ok(times.split_off(WARM_UP.min(times.len())))
+}
+
+/// Runs the study.
+pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
+    let recording = lab.recording(&lab.take("localization", None), false)?;
+    let doppler = Parameters {
+        method: Method::Doppler,
+        ..lab.parameters.clone()
+    };
+    let sequence = echoes::measure(&recording, &measurement_of(&doppler, &lab.parameters))?;
+    let map = lab.map(None, &doppler)?;
+    let mut table = Table::new(["stage", "half_width_m", "time_ms"]);
+    let mut add = |stage: &str, half_width: String, times: &[f64]| {
+        for time in times {
+            table.push([stage.to_string(), half_width.clone(), cell(*time, 4)]);
+        }
+    };
+    let bank = bank_times_ms(lab, &recording, &sequence)?;
+    add("doppler_bank", String::new(), &bank);
+    let mut filter_by_window = Vec::new();
+    for &half_width_m in &lab.plan.half_widths_m {
+        let parameters = Parameters {
+            window_half_width_m: half_width_m,
+            ..doppler.clone()
+        };
+        let times = filter_times_ms(lab, &recording, &sequence, &map, &parameters)?;
+        add("filter", cell(half_width_m, 2), &times);
+        filter_by_window.push(FilterTime {
+            half_width_m,
+            median_ms: rounded(quantile(&times, 0.5)),
+        });
+    }
+    table.write(&lab.data("step_time.csv"))?;
+    let filter = filter_times_ms(lab, &recording, &sequence, &map, &doppler)?;
+    summary.step_time_ms = Some(StepTime {
+        doppler_bank: rounded(quantile(&bank, 0.5)),
+        filter: rounded(quantile(&filter, 0.5)),
+        filter_by_window,
+    });
+    Ok(())
+}

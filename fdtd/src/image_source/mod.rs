@@ -17,6 +17,7 @@ pub use spectrum::CylindricalWaveform;
 use crate::grid::Medium;
 use crate::motion::DrivePath;
 use crate::rays::Reflectors;
+use crate::simulation::SOURCE_STRENGTH_M2PS;
 use crate::walls::Wall;
 use crate::waveform::PeriodicWaveform;
 use rayon::prelude::*;
@@ -112,8 +113,8 @@ pub struct DrivingPair<'a> {
     pub microphone_offset_m: [f64; 2],
 }
 
-/// Pressure in Pa at a robot's microphone along its whole drive among walls: see [`synthesize_pair`]. The waveform is the source
-/// strength in m^2/s, as in the field.
+/// Pressure in Pa at a robot's microphone along its whole drive among walls: see [`synthesize_pair`]. As in the field,
+/// the source strength is the waveform times [`SOURCE_STRENGTH_M2PS`].
 pub fn synthesize(
     walls: &[Wall],
     drive: &DrivingPair<'_>,
@@ -127,7 +128,7 @@ pub fn synthesize(
         receiver_at: &|t_s| drive.path.point_at(t_s, drive.microphone_offset_m),
         duration_s: drive.path.duration_s(),
     };
-    let strength = CylindricalWaveform::of(waveform);
+    let strength = CylindricalWaveform::of(waveform, SOURCE_STRENGTH_M2PS);
     synthesize_pair(
         &Reflectors::of(walls),
         &pair,

@@ -61,9 +61,14 @@ impl CylindricalWaveform {
         }
     }
 
-    /// As [`CylindricalWaveform::new`] from a loudspeaker's waveform.
-    pub fn of(waveform: &PeriodicWaveform) -> Self {
-        Self::new(waveform.one_period(), waveform.period_s())
+    /// As [`CylindricalWaveform::new`] from a loudspeaker's waveform times a strength in m^2/s.
+    pub fn of(waveform: &PeriodicWaveform, strength_m2ps: f64) -> Self {
+        let one_period: Vec<f64> = waveform
+            .one_period()
+            .iter()
+            .map(|value| strength_m2ps * value)
+            .collect();
+        Self::new(&one_period, waveform.period_s())
     }
 
     /// Half derivative (m^2 s^-3/2) and half integral (m^2 s^-1/2) of the strength at `t_s`.

@@ -1,0 +1,16 @@
+//! The field against laws of physics, one law per file. Each header names the layout, the formula, the known bias and the tolerance.
+//!
+//! `cargo test --release -p fdtd --test physics -- --nocapture` prints what was measured.
+
+mod rig;
+
+mod absorbing_layer;
+mod box_modes;
+mod determinism;
+mod dispersion;
+mod doppler;
+mod drift;
+mod energy;
+mod free_field;
+mod image_echo;
+mod reciprocity;

@@ -21,8 +21,15 @@ use super::{Line, Plan};
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
 
-/// Rows that a sweep takes together.
-pub(super) const ROWS: usize = 4;
+/// Rows that a step of the wavefront takes together.
+const ROWS: usize = 8;
+
+/// Rows that the leapfrog sweep holds in registers together.
+const HELD: usize = 4;
+
+/// Vectors of the centre that the rows of a block take one after the other: all they touch then stays in the
+/// first-level cache, and each vector comes from the second level once per block.
+const CHUNK: usize = 24;
 
 /// Eight numbers in registers.
 trait Vector: Number {
@@ -213,9 +220,7 @@ pub(super) fn flat(lines: &[Line]) -> &[f32] {
 /// The numbers of a buffer of cache lines.
 pub(super) fn flat_mut(lines: &mut [Line]) -> &mut [f32] {
     // SAFETY: as above, and the borrow is exclusive.
-    unsafe {
-        std::slice::from_raw_parts_mut(lines.as_mut_ptr().cast(), size_of_val(lines) / 4)
-    }
+    unsafe { std::slice::from_raw_parts_mut(lines.as_mut_ptr().cast(), size_of_val(lines) / 4) }
 }
 
 /// Runs one tile of a time block.
@@ -321,17 +326,19 @@ impl<V: Vector> Sweep<V> for Slf {
     ) {
         // SAFETY: the caller's promise covers every offset used here.
         unsafe {
-            if rows == ROWS && ahead == LANES {
+            let mut done = 0;
+            while ahead == LANES && done + HELD <= rows {
+                let (now, next) = (now.add(done * stride), next.add(done * stride));
                 let row = |i: usize| now.add(i * stride);
-                let mut here: [V; ROWS] = std::array::from_fn(|i| V::load(row(i)));
+                let mut here: [V; HELD] = std::array::from_fn(|i| V::load(row(i)));
                 for j in 0..vectors {
                     let at = j * LANES;
-                    let east: [V; ROWS] = std::array::from_fn(|i| V::load(row(i).add(at + LANES)));
+                    let east: [V; HELD] = std::array::from_fn(|i| V::load(row(i).add(at + LANES)));
                     let south = V::load(now.add(at).sub(stride));
-                    let north = V::load(row(ROWS).add(at));
-                    for i in 0..ROWS {
+                    let north = V::load(row(HELD).add(at));
+                    for i in 0..HELD {
                         let below = if i == 0 { south } else { here[i - 1] };
-                        let above = if i + 1 == ROWS { north } else { here[i + 1] };
+                        let above = if i + 1 == HELD { north } else { here[i + 1] };
                         let target = next.add(i * stride + at);
                         let west = V::load(row(i).add(at).sub(LANES));
                         w.slf(here[i], [west, east[i]], [below, above], V::load(target))
@@ -339,9 +346,9 @@ impl<V: Vector> Sweep<V> for Slf {
                     }
                     here = east;
                 }
-                return;
+                done += HELD;
             }
-            for i in 0..rows {
+            for i in done..rows {
                 let (row, target) = (now.add(i * stride), next.add(i * stride));
                 for j in 0..vectors {
                     let at = row.add(j * LANES);
@@ -500,9 +507,18 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
             (layout.high_at, 1, layout.high.div_ceil(LANES)),
         ];
         for (part, ahead, vectors) in parts {
-            if vectors > 0 {
-                let (now, next) = (now_base.add(at + part), next_base.add(at + part));
-                S::rows(weights, now, next, stride, ahead, vectors, rows.len());
+            for first in (0..vectors).step_by(CHUNK) {
+                let from = at + part + first * LANES;
+                let (now, next) = (now_base.add(from), next_base.add(from));
+                S::rows(
+                    weights,
+                    now,
+                    next,
+                    stride,
+                    ahead,
+                    CHUNK.min(vectors - first),
+                    rows.len(),
+                );
             }
         }
         for iy in rows {

@@ -254,11 +254,13 @@ mod tests {
         assert_eq!(read.odometry, written.odometry);
         assert_eq!(read.meta, written.meta);
         assert!((read.start_pose().x_m - 1.0).abs() < 1e-9);
-        assert!(
-            std::fs::read_dir(&path)
+        assert!(std::fs::read_dir(&path).unwrap().all(|entry| {
+            entry
                 .unwrap()
-                .all(|entry| !entry.unwrap().path().ends_with("part"))
-        );
+                .path()
+                .extension()
+                .is_some_and(|end| end != "part")
+        }));
     }
 
     #[test]

@@ -1,0 +1,87 @@
+//! Time of one step: the Doppler bank of one block, and the particle filter by the window's half width.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use localizer::doppler::DopplerBank;
+use localizer::map_image::{self, MapImage};
+use localizer::particle_filter::ParticleFilter;
+use localizer::{EchoBlock, EchoSequence, Method, Odometry, Parameters, Pose};
+
+/// A signal without structure; the time does not depend on it.
+fn noise(length: usize) -> Vec<f32> {
+    let mut state = 1_u32;
+    (0..length)
+        .map(|_| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / 8_388_608.0 - 1.0
+        })
+        .collect()
+}
+
+/// Echoes with a few bright delays in every direction, and the map of one block at the origin.
+fn echoes_and_map(parameters: &Parameters, bank: &DopplerBank) -> Option<(EchoBlock, MapImage)> {
+    let mut intensity = bank.intensity();
+    bank.measure(
+        &noise(bank.block_length()),
+        0.3,
+        &mut bank.scratch(),
+        &mut intensity,
+    );
+    intensity.mapv_inplace(|value| value.powi(4));
+    let odometry = Odometry {
+        v_mps: 0.3,
+        omega_radps: 0.1,
+    };
+    let block = EchoBlock {
+        index: 0,
+        t_s: 0.0,
+        odometry,
+        stationary: false,
+        mean_intensity: vec![0.0; intensity.ncols()],
+        intensity,
+    };
+    let sequence = EchoSequence {
+        parameters: parameters.clone(),
+        blocks: vec![block.clone()],
+        odometry: vec![odometry],
+    };
+    let map = map_image::build(&[(&sequence, &[Pose::default()])]).ok()?;
+    Some((block, map))
+}
+
+fn step(criterion: &mut Criterion) {
+    let parameters = Parameters::default();
+    let Ok(bank) = DopplerBank::new(&parameters) else {
+        return;
+    };
+    let block = noise(bank.block_length());
+    let (mut scratch, mut intensity) = (bank.scratch(), bank.intensity());
+    criterion.bench_function("doppler bank, 6 periods, 30 directions", |bencher| {
+        bencher.iter(|| bank.measure(black_box(&block), 0.3, &mut scratch, &mut intensity));
+    });
+    let Some((echoes, map)) = echoes_and_map(&parameters, &bank) else {
+        return;
+    };
+    for half_width_m in [2.0, 4.0, 6.0] {
+        let parameters = Parameters {
+            window_half_width_m: half_width_m,
+            ..parameters.clone()
+        };
+        let mut filter = ParticleFilter::new(&parameters, Pose::default(), 1);
+        criterion.bench_function(
+            &format!("particle filter, 100 particles, {half_width_m} m"),
+            |bencher| {
+                bencher.iter(|| {
+                    filter.predict(black_box(echoes.odometry), 0.01);
+                    filter.weigh(echoes.polar(Method::Doppler), &map);
+                    filter.resample();
+                    filter.expectation()
+                });
+            },
+        );
+    }
+}
+
+criterion_group!(benches, step);
+criterion_main!(benches);

@@ -1,0 +1,247 @@
+//! Whole drives among plane walls: map, localization, and the agreement of streaming and offline runs.
+
+#![expect(clippy::unwrap_used, reason = "a failed test may panic")]
+
+mod common;
+
+use std::sync::LazyLock;
+
+use common::{Drive, localization_drive, mapping_drive, mean_error_m, record, room};
+use localizer::echoes::{EchoSequence, measure};
+use localizer::offline::localize;
+use localizer::{Localizer, MapImage, Method, Odometry, Parameters, Pose, Recording, map_image};
+
+struct Fixture {
+    map: MapImage,
+    drive: Drive,
+    recording: Recording,
+    echoes: EchoSequence,
+}
+
+fn parameters() -> Parameters {
+    Parameters {
+        max_range_m: 4.5,
+        window_half_width_m: 3.0,
+        ..Parameters::default()
+    }
+}
+
+/// Made once for all tests of this file.
+static FIXTURE: LazyLock<Fixture> = LazyLock::new(|| {
+    let parameters = parameters();
+    let mapping = record(&parameters, &mapping_drive(36.0), &room(), 4.0, 0.0);
+    let echoes = measure(&mapping, &parameters).unwrap();
+    let poses = echoes.poses(mapping.truth.as_ref().unwrap());
+    let map = map_image::build(&[(&echoes, &poses)]).unwrap();
+    let drive = localization_drive(24.0);
+    let recording = record(&parameters, &drive, &room(), 4.0, 0.01);
+    let echoes = measure(&recording, &parameters).unwrap();
+    Fixture {
+        map,
+        drive,
+        recording,
+        echoes,
+    }
+});
+
+#[test]
+fn doppler_follows_the_drive_where_odometry_drifts() {
+    let Fixture {
+        map, drive, echoes, ..
+    } = &*FIXTURE;
+    let start = drive.pose_at(0.0);
+    let error = |method| {
+        let parameters = Parameters {
+            method,
+            ..parameters()
+        };
+        mean_error_m(
+            &localize(echoes, map, &parameters, start, 1).unwrap(),
+            drive,
+        )
+    };
+    let (doppler, toa, odometry) = (
+        error(Method::Doppler),
+        error(Method::ToaOnly),
+        error(Method::Odometry),
+    );
+    println!("doppler {doppler:.4} m, toa-only {toa:.4} m, odometry {odometry:.4} m");
+    assert!(doppler < 0.05, "{doppler}");
+    assert!(odometry > 3.0 * doppler, "{odometry}");
+}
+
+#[test]
+fn streaming_and_offline_give_the_same_estimates() {
+    let Fixture {
+        map,
+        drive,
+        recording,
+        echoes,
+    } = &*FIXTURE;
+    for periods in [1, 3, 6] {
+        for method in [Method::Doppler, Method::ToaOnly, Method::Odometry] {
+            let parameters = Parameters {
+                method,
+                periods,
+                ..parameters()
+            };
+            let start = drive.pose_at(0.0);
+            let measured;
+            let echoes = if periods == echoes.parameters.periods {
+                echoes
+            } else {
+                measured = measure(recording, &parameters).unwrap();
+                &measured
+            };
+            let offline = localize(echoes, map, &parameters, start, 7).unwrap();
+            let mut streaming = Localizer::new(&parameters, map.clone(), start, 7).unwrap();
+            let mut online = Vec::new();
+            let samples = recording
+                .signal
+                .chunks_exact(parameters.samples_per_period());
+            for (samples, &odometry) in samples.zip(&echoes.odometry).take(40) {
+                online.extend(streaming.step(samples, odometry).unwrap());
+            }
+            assert_eq!(online.len(), 41 - periods);
+            assert_eq!(online, offline[..online.len()]);
+        }
+    }
+}
+
+#[test]
+fn equal_seeds_give_equal_runs_at_any_number_of_threads() {
+    let Fixture {
+        map,
+        drive,
+        recording,
+        ..
+    } = &*FIXTURE;
+    let start = drive.pose_at(0.0);
+    let short = Recording {
+        signal: recording.signal[..4092 * 30].to_vec(),
+        direct: None,
+        ..recording.clone()
+    };
+    let run = |threads, seed| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            let echoes = measure(&short, &parameters()).unwrap();
+            localize(&echoes, map, &parameters(), start, seed).unwrap()
+        })
+    };
+    let first = run(1, 5);
+    assert_eq!(first, run(2, 5));
+    assert_eq!(first, run(3, 5));
+    assert_ne!(first, run(1, 6));
+}
+
+#[test]
+fn estimates_tell_their_time_and_a_latest_pose() {
+    let Fixture {
+        map, drive, echoes, ..
+    } = &*FIXTURE;
+    let parameters = parameters();
+    let estimates = localize(echoes, map, &parameters, drive.pose_at(0.0), 2).unwrap();
+    for (index, estimate) in estimates.iter().enumerate() {
+        assert!((estimate.t_s - (index as f64 + 3.0) * 0.1023).abs() < 1e-9);
+        assert!(
+            estimate.effective_sample_size > 1.0 && estimate.effective_sample_size <= 100.0 + 1e-9
+        );
+        assert!((0..3).all(|axis| estimate.covariance[axis][axis] >= 0.0));
+        let ahead_m = estimate
+            .latest
+            .distance_m(&drive.pose_at(estimate.t_s + 3.0 * 0.1023));
+        let here_m = estimate.pose.distance_m(&drive.pose_at(estimate.t_s));
+        assert!(
+            ahead_m < here_m + 0.08,
+            "block {index}: {here_m} m, extrapolated {ahead_m} m"
+        );
+    }
+}
+
+#[test]
+fn a_resting_robot_is_not_weighed() {
+    let Fixture { map, .. } = &*FIXTURE;
+    let parameters = parameters();
+    let mut localizer = Localizer::new(&parameters, map.clone(), Pose::default(), 3).unwrap();
+    let noise: Vec<f32> = (0..4092).map(|k| (k as f32 * 1.7).sin()).collect();
+    for step in 0..10 {
+        let estimate = localizer.step(&noise, Odometry::default()).unwrap();
+        assert_eq!(estimate.is_some(), step >= 5);
+        if let Some(estimate) = estimate {
+            assert!(estimate.stationary);
+            assert!((estimate.effective_sample_size - 100.0).abs() < 1e-9);
+            assert!(estimate.pose.distance_m(&Pose::default()) < 1e-3);
+        }
+    }
+}
+
+#[test]
+fn inputs_that_do_not_fit_are_refused() {
+    let Fixture {
+        map,
+        drive,
+        recording,
+        echoes,
+    } = &*FIXTURE;
+    let start = drive.pose_at(0.0);
+    let message = |parameters: Parameters| {
+        localize(echoes, map, &parameters, start, 0)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(
+        message(Parameters {
+            cell_m: 0.05,
+            ..parameters()
+        })
+        .contains("cell")
+    );
+    assert!(
+        message(Parameters {
+            periods: 4,
+            ..parameters()
+        })
+        .contains("measure the echoes")
+    );
+    assert!(
+        message(Parameters {
+            max_range_m: 8.0,
+            ..parameters()
+        })
+        .contains("measure the echoes")
+    );
+    assert!(
+        message(Parameters {
+            particles: 0,
+            ..parameters()
+        })
+        .contains("particles")
+    );
+    let short = Recording {
+        signal: vec![0.0; 20_000],
+        direct: None,
+        ..recording.clone()
+    };
+    assert!(
+        measure(&short, &parameters())
+            .unwrap_err()
+            .to_string()
+            .contains("4 whole periods")
+    );
+    let other = Parameters {
+        carrier_hz: 9000.0,
+        ..parameters()
+    };
+    assert!(
+        measure(recording, &other)
+            .unwrap_err()
+            .to_string()
+            .contains("recording.json")
+    );
+    let mut localizer = Localizer::new(&parameters(), map.clone(), start, 0).unwrap();
+    assert!(localizer.step(&[0.0; 10], Odometry::default()).is_err());
+}

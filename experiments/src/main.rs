@@ -20,11 +20,24 @@ fn main() -> ExitCode {
     } else {
         2
     };
-    // One line, whatever the causes hold.
-    let text = format!("{error:#}")
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ");
-    eprintln!("error: {text}");
+    eprintln!("error: {}", one_line(&error));
     ExitCode::from(code)
+}
+
+/// The causes of an error in one line; a cause that the one before has told already is left out.
+fn one_line(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain() {
+        let cause = cause
+            .to_string()
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
+        if text.is_empty() {
+            text = cause;
+        } else if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text
 }

@@ -95,6 +95,21 @@ impl Arguments {
         }
     }
 
+    /// Refuses to replace a folder that holds anything but a recording.
+    fn check_output(&self) -> Result<()> {
+        let output = self.output.display();
+        if self.output.file_name().is_none() {
+            bail!("{output}: is no name for a recording; give the name of a new folder");
+        }
+        let occupied = self.output.exists()
+            && !self.output.join("recording.json").exists()
+            && std::fs::read_dir(&self.output).map_or(true, |mut entries| entries.next().is_some());
+        if occupied {
+            bail!("{output}: exists and is no recording; give the name of a new folder");
+        }
+        Ok(())
+    }
+
     /// A file beside the recording.
     fn beside(&self, ending: &str) -> PathBuf {
         let mut name = self.output.file_name().unwrap_or_default().to_os_string();
@@ -110,6 +125,7 @@ impl Arguments {
         scene.spread = self.spread.unwrap_or(scene.spread);
         scene.check(&self.scene.display().to_string())?;
         let take = self.take()?;
+        self.check_output()?;
         let pictures = self.pictures()?;
         scene.path(&take.path)?;
         let board = Board::new();

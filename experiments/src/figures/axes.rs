@@ -389,7 +389,9 @@ pub fn legend(canvas: &Canvas, at: [f64; 2], width: f64, entries: &[Entry]) -> R
         }
         let middle = y + 0.5 * row;
         if let Some(stroke) = entry.stroke {
-            canvas.line(&[[x, middle], [x + SAMPLE, middle]], stroke)?;
+            // A wide line's round ends stay within the sample.
+            let inset = 0.5 * stroke.width;
+            canvas.line(&[[x + inset, middle], [x + SAMPLE - inset, middle]], stroke)?;
         }
         if let Some((marker, colour)) = entry.marker {
             canvas.marker([x + 0.5 * SAMPLE, middle], marker, 17.0, colour)?;

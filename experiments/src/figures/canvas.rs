@@ -312,8 +312,16 @@ impl Canvas {
             [width, height]
         };
         let shift = |extent: f64, anchor: i8| extent * 0.5 * (f64::from(anchor) - 1.0);
-        let left = at[0] + shift(along, anchor.0);
-        let top = at[1] + shift(across, anchor.1);
+        let (mut left, mut top) = (
+            at[0] + shift(along, anchor.0),
+            at[1] + shift(across, anchor.1),
+        );
+        // The ink of letters and digits lies in the upper part of the line box.
+        if upward && anchor.0 == 0 {
+            left += 0.18 * size;
+        } else if !upward && anchor.1 == 0 {
+            top += 0.18 * size;
+        }
         let place = if upward {
             font.font = font.font.transform(FontTransform::Rotate270);
             (left, top + across)

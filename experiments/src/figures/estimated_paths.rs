@@ -22,7 +22,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     canvas::draw(picture, 1600, 1100, |sheet| {
         let title = "Echoes with Doppler bearings hold the path that odometry loses";
         sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
-        let axes = layout.axes(sheet, [120.0, 100.0, 1010.0, 990.0]);
+        let axes = layout.axes(sheet, [120.0, 130.0, 980.0, 990.0]);
         axes.grid()?;
         layout.walls(&axes, Stroke::solid(colour::GREY, 6.0))?;
         let (black, name) = method_style("truth");

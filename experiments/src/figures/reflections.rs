@@ -78,6 +78,8 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             time,
         );
         theory.grid()?;
+        let row = (theory.frame[3] - theory.frame[1]) / image.nrows().max(1) as f64;
+        let half = 0.5 * row.max(4.0) + 0.5;
         for (kind, shade, _) in kinds {
             let rows = rays.only("kind", kind)?;
             for (range_m, t_s) in rows
@@ -87,7 +89,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             {
                 if range_m <= theory.x.high && t_s <= theory.y.high {
                     let [x, y] = theory.pixel(range_m, t_s);
-                    sheet.rectangle([x - 2.5, y - 2.0, x + 2.5, y + 3.0], shade, 1.0);
+                    sheet.rectangle([x - 2.5, y - half, x + 2.5, y + half], shade, 1.0);
                 }
             }
         }

@@ -41,10 +41,10 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         ),
         ("localization", Stroke::solid(colour::BLUE, 5.0)),
     ];
-    canvas::draw(picture, 1800, 1010, |sheet| {
+    canvas::draw(picture, 1800, 980, |sheet| {
         let title = "The scene, and the image of its walls that echoes alone give";
         sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
-        let left = layout.axes(sheet, [120.0, 120.0, 860.0, 860.0]);
+        let left = layout.axes(sheet, [120.0, 130.0, 810.0, 820.0]);
         left.grid()?;
         layout.layer(&left)?;
         layout.walls(&left, Stroke::solid(colour::BLACK, 7.0))?;
@@ -62,9 +62,9 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             marker: None,
             text: format!("{name} drive"),
         }));
-        legend(sheet, [60.0, 953.0], 900.0, &entries)?;
+        legend(sheet, [60.0, 925.0], 900.0, &entries)?;
 
-        let right = layout.axes(sheet, [980.0, 120.0, 1640.0, 860.0]);
+        let right = layout.axes(sheet, [950.0, 130.0, 1640.0, 820.0]);
         let (rows, columns) = map.dim();
         let low = place.origin_m.map(|origin| origin - 0.5 * place.cell_m);
         let spans = [
@@ -74,7 +74,10 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let values: Vec<f64> = map.iter().map(|value| f64::from(*value)).collect();
         let greatest = quantile(&values, 1.0).max(f64::MIN_POSITIVE);
         let shown = map.mapv(|value| (f64::from(value) / greatest) as f32);
-        let scale = [0.0, quantile(&values, 0.999) / greatest];
+        let scale = [
+            quantile(&values, 0.2) / greatest,
+            quantile(&values, 0.999) / greatest,
+        ];
         right.image(shown.view(), spans, scale)?;
         layout.walls(
             &right,

@@ -1,0 +1,33 @@
+# echolot: what one can do here. `make` alone lists it.
+
+ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
+
+.PHONY: help sim-experiments sim-quick figures test check bench bless
+
+help: ## list the targets
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
+
+sim-experiments: ## simulate and reproduce the paper's studies in the paper's size (results/paper)
+	$(ECHOLOT) run --preset paper
+
+sim-quick: ## the same chain in a small scene (results/quick)
+	$(ECHOLOT) run --preset quick
+
+figures: ## redraw all figures from the data files, without computing anything
+	@for preset in paper quick; do \
+		if [ -d results/$$preset/data ]; then $(ECHOLOT) figures --preset $$preset || exit 1; fi; \
+	done
+
+test: ## all tests
+	cargo test --release --workspace
+
+check: ## formatting, lints, tests
+	cargo fmt --all --check
+	cargo clippy --release --workspace --all-targets -- -D warnings
+	cargo test --release --workspace
+
+bench: ## benchmarks
+	cargo bench --workspace
+
+bless: ## make the present quick results the baseline of the regression gate
+	$(ECHOLOT) check --preset quick --bless

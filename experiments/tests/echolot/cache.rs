@@ -1,0 +1,102 @@
+//! The key of a recording changes with all that determines it, and with nothing else.
+
+use std::path::Path;
+
+use experiments::cache::recording_key;
+use experiments::simulate::{Engine, Take, engine_print};
+use fdtd::scene::Scene;
+use fdtd::scheme::Scheme;
+
+use crate::room::{ROOM, scene};
+
+fn key(text: &str, take: &Take) -> String {
+    let scene = Scene::from_json(text, Path::new("room.json")).unwrap();
+    recording_key(&scene, take, "print").unwrap()
+}
+
+#[test]
+fn what_does_not_sound_does_not_count() {
+    let take = Take::of("localization", Engine::Fdtd);
+    let original = key(ROOM, &take);
+    assert_eq!(original, key(ROOM, &take));
+    assert_eq!(
+        original,
+        key(&ROOM.replace("\"room\"", "\"chamber\""), &take)
+    );
+    // The scene's own scheme said explicitly is the same scheme.
+    let explicit = Take {
+        scheme: Some(Scheme::M13),
+        ..take.clone()
+    };
+    assert_eq!(original, key(ROOM, &explicit));
+    // One leg cut in two is the same drive; another path does not matter.
+    let legs = "{\"duration_s\": 5, \"v_mps\": 0.22, \"omega_radps\": 0.4}";
+    let halves = "{\"duration_s\": 2.5, \"v_mps\": 0.22, \"omega_radps\": 0.4}";
+    assert!(ROOM.contains(legs));
+    let other = ROOM.replace("\"duration_s\": 8", "\"duration_s\": 7");
+    assert_eq!(original, key(&other, &take));
+    assert_ne!(original, key(&ROOM.replace(legs, halves), &take));
+}
+
+#[test]
+fn what_sounds_counts() {
+    let take = Take::of("localization", Engine::Fdtd);
+    let original = key(ROOM, &take);
+    for (before, after) in [
+        ("[2.15, 0.6]", "[2.15, 0.61]"),
+        ("\"nx\": 500", "\"nx\": 501"),
+        ("\"heading_rad\": 0.2,", "\"heading_rad\": 0.21,"),
+        (
+            "\"name\": \"room\",",
+            "\"name\": \"room\", \"layer_cells\": 21,",
+        ),
+        (
+            "\"name\": \"room\",",
+            "\"name\": \"room\", \"medium\": {\"c_mps\": 341},",
+        ),
+    ] {
+        assert!(ROOM.contains(before), "{before}");
+        assert_ne!(
+            original,
+            key(&ROOM.replace(before, after), &take),
+            "{after}"
+        );
+    }
+    let others = [
+        Take::of("mapping", Engine::Fdtd),
+        Take::of("localization", Engine::ImageSource),
+        take.in_free_field(),
+        Take {
+            scheme: Some(Scheme::Slf),
+            ..take.clone()
+        },
+        Take {
+            odometry_bias_radps: 0.0,
+            ..take.clone()
+        },
+    ];
+    for other in &others {
+        assert_ne!(original, key(ROOM, other), "{other:?}");
+    }
+    assert_ne!(
+        original,
+        recording_key(&scene(), &take, "other print").unwrap()
+    );
+}
+
+#[test]
+fn the_print_of_an_engine_repeats_and_tells_schemes_apart() {
+    let scene = scene();
+    let print = |take: &Take| engine_print(take, &scene).unwrap();
+    let m13 = Take::of("localization", Engine::Fdtd);
+    let slf = Take {
+        scheme: Some(Scheme::Slf),
+        ..m13.clone()
+    };
+    assert_eq!(print(&m13), print(&m13));
+    assert_ne!(print(&m13), print(&slf));
+    assert_ne!(
+        print(&m13),
+        print(&Take::of("localization", Engine::ImageSource))
+    );
+}

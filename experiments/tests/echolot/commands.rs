@@ -1,0 +1,183 @@
+//! Exit codes, messages and printed results of the commands.
+
+use crate::room::{ROOM, echolot, expect, refuse, scene_file};
+
+#[test]
+fn every_command_has_help_with_an_example() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in [
+        "scene", "simulate", "map", "localize", "run", "figures", "check", "list",
+    ] {
+        let help = expect(folder.path(), &[command, "--help"]);
+        assert!(help.contains("Example:\n  echolot"), "{command}: {help}");
+    }
+    for command in ["check", "draw", "schema"] {
+        let help = expect(folder.path(), &["scene", command, "--help"]);
+        assert!(
+            help.contains("Example:\n  echolot"),
+            "scene {command}: {help}"
+        );
+    }
+}
+
+#[test]
+fn bad_input_is_one_line_that_names_file_and_field() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    scene_file(at);
+    let complaint = refuse(at, &["scene", "check", "none.json"]);
+    assert!(
+        complaint.contains("none.json") && complaint.matches("No such file").count() == 1,
+        "{complaint}"
+    );
+    std::fs::write(
+        at.join("bad.json"),
+        ROOM.replace("\"nx\": 500", "\"nx\": -5"),
+    )
+    .unwrap();
+    let complaint = refuse(at, &["scene", "check", "bad.json"]);
+    assert!(
+        complaint.contains("bad.json") && complaint.contains("nx"),
+        "{complaint}"
+    );
+    let complaint = refuse(
+        at,
+        &[
+            "simulate",
+            "room.json",
+            "--path",
+            "drive",
+            "-o",
+            "recording",
+        ],
+    );
+    assert!(
+        complaint.contains("drive") && complaint.contains("localization"),
+        "{complaint}"
+    );
+    let complaint = refuse(at, &["map", "nothing", "-o", "map"]);
+    assert!(complaint.contains("nothing"), "{complaint}");
+    let complaint = refuse(at, &["localize", "nothing", "--map", "map", "-o", "e.tum"]);
+    assert!(complaint.contains("nothing"), "{complaint}");
+    let complaint = refuse(at, &["run", "window-sizes"]);
+    assert!(
+        complaint.contains("window-sizes") && complaint.contains("window-size,"),
+        "{complaint}"
+    );
+    let complaint = refuse(at, &["figures", "--preset", "quick"]);
+    assert!(
+        complaint.contains("echolot run --preset quick"),
+        "{complaint}"
+    );
+    let complaint = refuse(at, &["check", "--preset", "quick"]);
+    assert!(complaint.contains("summary.json"), "{complaint}");
+    std::fs::write(at.join("parameters.json"), r#"{"particle": 3}"#).unwrap();
+    let complaint = refuse(
+        at,
+        &[
+            "map",
+            "nothing",
+            "-o",
+            "map",
+            "--parameters",
+            "parameters.json",
+        ],
+    );
+    assert!(
+        complaint.contains("parameters.json") && complaint.contains("particle"),
+        "{complaint}"
+    );
+}
+
+#[test]
+fn a_folder_with_other_things_is_never_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    scene_file(at);
+    std::fs::create_dir(at.join("precious")).unwrap();
+    std::fs::write(at.join("precious/thesis.tex"), "x").unwrap();
+    let simulate = [
+        "simulate",
+        "room.json",
+        "--path",
+        "short",
+        "--engine",
+        "image-source",
+        "-o",
+    ];
+    for output in ["precious", "."] {
+        refuse(at, &[&simulate[..], &[output]].concat());
+    }
+    assert!(at.join("precious/thesis.tex").exists());
+    expect(at, &[&simulate[..], &["recording"]].concat());
+    expect(at, &[&simulate[..], &["recording"]].concat());
+    assert!(at.join("recording/signal.wav").exists());
+}
+
+#[test]
+fn results_are_json_when_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    scene_file(at);
+    let parse = |arguments: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&expect(at, arguments)).unwrap()
+    };
+    let scene = parse(&["scene", "check", "room.json", "--json"]);
+    assert_eq!(scene["cells"], 250_000);
+    assert_eq!(scene["paths"]["mapping"]["duration_s"], 8.0);
+    let studies = parse(&["list", "--json"]);
+    assert!(studies.as_array().unwrap().len() >= 9);
+    assert!(parse(&["scene", "schema"])["properties"].is_object());
+}
+
+#[test]
+fn a_scene_is_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    scene_file(folder.path());
+    expect(
+        folder.path(),
+        &["scene", "draw", "room.json", "-o", "room.png"],
+    );
+    let bytes = std::fs::read(folder.path().join("room.png")).unwrap();
+    assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n");
+    let complaint = refuse(
+        folder.path(),
+        &["scene", "draw", "room.json", "-o", "room.json/room.png"],
+    );
+    assert!(complaint.contains("room.json"), "{complaint}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_simulation_goes_on_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    scene_file(at);
+    let simulate = |output: &str, more: &[&str]| {
+        let fixed = ["simulate", "room.json", "--path", "short", "-o", output];
+        echolot(at, &[&fixed[..], more].concat())
+    };
+    assert!(simulate("whole", &["--threads", "1"]).status.success());
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_echolot"))
+        .current_dir(at)
+        .args(["simulate", "room.json", "--path", "short", "-o", "parts"])
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    // Long enough to be under way, mostly: an earlier or later signal is a weaker test and still right.
+    std::thread::sleep(std::time::Duration::from_millis(900));
+    let killed = std::process::Command::new("kill")
+        .arg(child.id().to_string())
+        .status();
+    let code = child.wait().unwrap().code();
+    if killed.is_ok_and(|status| status.success()) && code != Some(0) {
+        assert_eq!(code, Some(130));
+        assert!(at.join("parts.checkpoint").exists() && !at.join("parts").exists());
+    }
+    assert!(simulate("parts", &["--resume"]).status.success());
+    assert!(!at.join("parts.checkpoint").exists());
+    for file in ["signal.wav", "odometry.csv", "truth.tum"] {
+        let bytes = |run: &str| std::fs::read(at.join(run).join(file)).unwrap();
+        assert_eq!(bytes("whole"), bytes("parts"), "{file}");
+    }
+}

@@ -1,0 +1,153 @@
+//! From a scene to a pose by image sources, and a whole study from its scene to its figures and checks.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::room::{echolot, expect, scene_file};
+
+fn json(folder: &Path, arguments: &[&str]) -> Value {
+    let all = [arguments, &["--json"]].concat();
+    serde_json::from_str(&expect(folder, &all)).unwrap()
+}
+
+#[test]
+fn a_simulated_robot_finds_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    scene_file(at);
+    for path in ["mapping", "localization"] {
+        // A strong bias lets odometry lose the way even in a short drive.
+        let recording = [
+            "simulate",
+            "room.json",
+            "--path",
+            path,
+            "--engine",
+            "image-source",
+            "--odometry-bias",
+            "0.06",
+            "-o",
+            path,
+        ];
+        expect(at, &recording);
+    }
+    expect(at, &["map", "mapping", "-o", "map"]);
+    let localize = |method: &str, output: &str| {
+        let fixed = [
+            "localize",
+            "localization",
+            "--map",
+            "map",
+            "--window",
+            "2",
+            "--method",
+            method,
+            "-o",
+            output,
+        ];
+        json(at, &fixed)["mae_m"].as_f64().unwrap()
+    };
+    let doppler = localize("doppler", "doppler.tum");
+    let odometry = localize("odometry", "odometry.tum");
+    assert!(
+        doppler < 0.05 && odometry > 1.5 * doppler,
+        "{doppler} {odometry}"
+    );
+    assert_eq!(localize("doppler", "again.tum"), doppler);
+    let bytes = |name: &str| std::fs::read(at.join(name)).unwrap();
+    assert_eq!(bytes("doppler.tum"), bytes("again.tum"));
+    let text = String::from_utf8(bytes("doppler.tum")).unwrap();
+    assert!(text.lines().all(|line| line.split(' ').count() == 8));
+
+    // A recording made by hand has no truth: the start comes from recording.json, and no error is told.
+    std::fs::remove_file(at.join("localization/truth.tum")).unwrap();
+    let report = json(
+        at,
+        &[
+            "localize",
+            "localization",
+            "--map",
+            "map",
+            "-o",
+            "blind.tum",
+        ],
+    );
+    assert!(
+        report["mae_m"].is_null() && report["poses"].as_u64().unwrap() > 30,
+        "{report}"
+    );
+}
+
+#[test]
+fn a_study_goes_from_scene_to_verdict() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let folder = tempfile::tempdir().unwrap();
+    let results = folder.path().to_str().unwrap();
+    let baseline = folder.path().join("baseline.json");
+    let baseline = baseline.to_str().unwrap();
+    let study = [
+        "run",
+        "layout",
+        "odometry-drift",
+        "--preset",
+        "quick",
+        "--engine",
+        "image-source",
+        "--results",
+        results,
+    ];
+    let summary = json(&project, &study);
+    for method in ["doppler", "toa_only", "odometry"] {
+        let accuracy = &summary["odometry_drift"][method];
+        let mae_m = accuracy["mae_m"].as_f64().unwrap();
+        assert!(mae_m > 0.0 && mae_m < 1.0, "{accuracy}");
+        assert!(
+            accuracy["interval_m"][0].as_f64().unwrap() <= mae_m,
+            "{accuracy}"
+        );
+        assert!(accuracy["trials"].as_u64().unwrap() > 0, "{accuracy}");
+    }
+    assert!(summary["provenance"]["commit"].is_string());
+    for figure in [
+        "fig04_scene_and_map",
+        "fig05_speeds",
+        "fig06_paths",
+        "fig06_cdf",
+    ] {
+        assert!(
+            folder
+                .path()
+                .join(format!("quick/figures/{figure}.png"))
+                .exists(),
+            "{figure}"
+        );
+    }
+
+    // The second run finds everything in the cache and says the same.
+    let started = std::time::Instant::now();
+    let again = json(&project, &study);
+    assert_eq!(again["odometry_drift"], summary["odometry_drift"]);
+    assert!(started.elapsed().as_secs() < 20);
+
+    let check = [
+        "check",
+        "--preset",
+        "quick",
+        "--results",
+        results,
+        "--baseline",
+        baseline,
+    ];
+    expect(&project, &[&check[..], &["--bless"]].concat());
+    assert!(expect(&project, &check).contains("ok"));
+    let better = std::fs::read_to_string(baseline).unwrap();
+    let mut better: Value = serde_json::from_str(&better).unwrap();
+    better["measures"][0]["mae_m"] = 1e-4.into();
+    better["measures"][0]["interval_m"] = serde_json::json!([1e-4, 1e-4]);
+    std::fs::write(baseline, better.to_string()).unwrap();
+    let output = echolot(&project, &check);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("WORSE"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("1 of 3 measures worse"));
+}

@@ -1,0 +1,109 @@
+//! Figures are drawn from data files alone.
+
+use std::path::Path;
+
+use experiments::atomic;
+use experiments::figures::{Drawn, draw_all};
+use experiments::table::Table;
+
+fn table(path: &Path, text: &str) {
+    atomic::write(path, text.as_bytes()).unwrap();
+    Table::read(path).unwrap();
+}
+
+/// Writes as little data as every figure can live on.
+fn write_data(data: &Path) {
+    let layout = r#"{"name": "room", "size_m": [2.0, 2.0], "layer_m": 0.1,
+        "walls": [{"points_m": [[0.5, 0.5], [1.5, 0.5], [1.5, 1.5]], "thickness_m": 0.02}]}"#;
+    atomic::write(&data.join("layout.json"), layout.as_bytes()).unwrap();
+    table(
+        &data.join("drive.csv"),
+        "path,t_s,x_m,y_m,heading_rad,v_mps,omega_radps,v_odometry_mps,omega_odometry_radps\n\
+         mapping,0,1,1,0,0.3,0,0.3,0.01\nmapping,1,1.2,1,0,0.3,0,0.3,0.01\n\
+         localization,0,1,1,0,0.3,0,0.3,0.01\nlocalization,1,1,1.2,0,0.3,0.1,0.3,0.11\n",
+    );
+    let image = ndarray::Array2::from_shape_fn((12, 10), |(row, column)| (row * column) as f32);
+    ndarray_npy::write_npy(data.join("map.npy"), &image).unwrap();
+    atomic::write(
+        &data.join("map.json"),
+        br#"{"origin_m": [0.0, 0.0], "cell_m": 0.2}"#,
+    )
+    .unwrap();
+    ndarray_npy::write_npy(data.join("reflections.npy"), &image).unwrap();
+    atomic::write(
+        &data.join("reflections.json"),
+        br#"{"t_s": [0.2, 1.2], "range_m": [0.0, 10.0]}"#,
+    )
+    .unwrap();
+    table(
+        &data.join("rays.csv"),
+        "t_s,round_trip_m,kind\n0.5,2.0,single\n0.5,3.0,corner\n0.5,4.0,double\n",
+    );
+    table(
+        &data.join("drift_paths.csv"),
+        "method,trial,t_s,x_m,y_m,heading_rad,error_m\ndoppler,0,0.3,1,1,0,0.01\ndoppler,0,0.4,1,1.1,0,0.02\n\
+         toa-only,0,0.3,1,1,0,0.02\ntoa-only,0,0.4,1,1.1,0,0.03\nodometry,0,0.3,1,1,0,0.2\nodometry,0,0.4,1,1.2,0,0.3\n",
+    );
+    table(
+        &data.join("window_size.csv"),
+        "half_width_m,trial,mae_m\n1,0,0.2\n1,1,0.1\n4,0,0.04\n4,1,0.05\n",
+    );
+    table(
+        &data.join("snr.csv"),
+        "snr_db,trial,mae_m\n-15,0,0.2\n5,0,0.04\n",
+    );
+    table(
+        &data.join("periods.csv"),
+        "m,trial,mae_m\n1,0,0.3\n6,0,0.04\n",
+    );
+    table(
+        &data.join("periods_paths.csv"),
+        "m,t_s,x_m,y_m\n1,0.1,1,1\n1,0.2,1,1.1\n6,0.1,1,1\n6,0.2,1.1,1\n",
+    );
+    table(
+        &data.join("step_time.csv"),
+        "stage,half_width_m,time_ms\ndoppler_bank,,7.5\ndoppler_bank,,8\nfilter,1,0.5\nfilter,4,2.5\n",
+    );
+}
+
+#[test]
+fn every_figure_is_drawn_and_the_same_each_time() {
+    let folder = tempfile::tempdir().unwrap();
+    write_data(&folder.path().join("data"));
+    let pictures = |drawn: Vec<Drawn>| -> Vec<Vec<u8>> {
+        drawn
+            .into_iter()
+            .map(|drawn| match drawn {
+                Drawn::Picture(path) => std::fs::read(path).unwrap(),
+                Drawn::Missing { figure, file } => panic!("{figure}: {}", file.display()),
+            })
+            .collect()
+    };
+    let first = pictures(draw_all(folder.path()).unwrap());
+    assert_eq!(first.len(), 9);
+    assert_eq!(first, pictures(draw_all(folder.path()).unwrap()));
+}
+
+#[test]
+fn a_figure_without_data_is_left_out_and_damaged_data_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    write_data(&data);
+    std::fs::remove_file(data.join("snr.csv")).unwrap();
+    let drawn = draw_all(folder.path()).unwrap();
+    let missing = drawn
+        .iter()
+        .filter(|drawn| matches!(drawn, Drawn::Missing { .. }))
+        .count();
+    assert_eq!(missing, 1);
+    std::fs::write(
+        data.join("window_size.csv"),
+        "half_width_m,trial,mae_m\n1,0,wide\n",
+    )
+    .unwrap();
+    let error = format!("{:#}", draw_all(folder.path()).unwrap_err());
+    assert!(
+        error.contains("window_size.csv") && error.contains("wide"),
+        "{error}"
+    );
+}

@@ -154,7 +154,7 @@ impl Reflectors {
         }
         let image_m = *images.last()?;
         let mut points_m = vec![receiver_m];
-        let mut clearance_m = f64::INFINITY;
+        let mut clearances_m = Vec::with_capacity(sequence.len());
         let mut towards = receiver_m;
         for (&face, &image) in sequence.iter().zip(&images[1..]).rev() {
             let face = &self.faces()[face];
@@ -168,38 +168,72 @@ impl Reflectors {
                 towards,
                 scale(sub(image, towards), height_m / (height_m + depth_m)),
             );
-            clearance_m = clearance_m.min(face.clearance_m(point));
+            clearances_m.push(face.clearance_m(point));
             points_m.push(point);
             towards = point;
         }
         points_m.push(source_m);
         points_m.reverse();
+        clearances_m.reverse();
         Some(Unfolded {
             points_m,
             image_m,
-            clearance_m,
+            clearance_m: self.least_clearance_m(sequence, &clearances_m),
         })
     }
 
+    /// The clearance that decides whether a path is visible: the least of all bounces.
+    ///
+    /// In a right-angled corner both orders of the walls give the same image, and one is visible where the other is not: their clearances
+    /// are opposite, bounce by bounce. For theirs to be opposite as well, two bounces beyond the ends of joined faces count by the
+    /// one that is less far beyond.
+    fn least_clearance_m(&self, sequence: &[usize], clearances_m: &[f64]) -> f64 {
+        let mut least_m = clearances_m.last().copied().unwrap_or(f64::INFINITY);
+        let segment = |bounce: usize| self.faces()[sequence[bounce]].segment;
+        for (bounce, pair) in clearances_m.windows(2).enumerate() {
+            let both_beyond = pair[0] < 0.0 && pair[1] < 0.0;
+            let counts_m = if both_beyond && self.are_joined(segment(bounce), segment(bounce + 1)) {
+                pair[0].max(pair[1])
+            } else {
+                pair[0].min(pair[1])
+            };
+            least_m = if bounce == 0 {
+                counts_m
+            } else {
+                least_m.min(counts_m)
+            };
+        }
+        least_m
+    }
+
     /// Share of a path that no wall hides, 0..1.
+    ///
+    /// Walls do not hide the legs that end on them. Neither does the other wall of a corner hide the way in or out, when that starts or ends in
+    /// front of it: only a reflection point beyond the apex, which fades anyway, would be hidden.
     pub(crate) fn leg_transmission(
         &self,
         sequence: &[usize],
         unfolded: &Unfolded,
         fade_m: f64,
     ) -> f64 {
-        let touched = |bounce: usize| {
-            bounce
-                .checked_sub(1)
-                .and_then(|i| sequence.get(i))
-                .map(|&face| self.faces()[face].segment)
+        let points_m = &unfolded.points_m;
+        let face = |bounce: usize| sequence.get(bounce).map(|&face| &self.faces()[face]);
+        let in_corner = |of: Option<&Face>, other: Option<&Face>, outer_m: Vec2| {
+            let (of, other) = (of?, other?);
+            let apart = self.are_joined(of.segment, other.segment) && other.height_m(outer_m) > 0.0;
+            apart.then_some(other.segment)
         };
-        unfolded
-            .points_m
-            .windows(2)
-            .enumerate()
-            .map(|(leg, ends)| {
-                self.transmission(ends[0], ends[1], [touched(leg), touched(leg + 1)], fade_m)
+        // Leg k lies between bounces k - 1 and k.
+        (0..points_m.len() - 1)
+            .map(|leg| {
+                let before = |back: usize| leg.checked_sub(back).and_then(face);
+                let through = [
+                    before(1).map(|face| face.segment),
+                    face(leg).map(|face| face.segment),
+                    in_corner(face(leg), face(leg + 1), points_m[leg]),
+                    in_corner(before(1), before(2), points_m[leg + 1]),
+                ];
+                self.transmission(points_m[leg], points_m[leg + 1], &through, fade_m)
             })
             .product()
     }

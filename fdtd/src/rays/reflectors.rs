@@ -156,21 +156,20 @@ impl Reflectors {
         last.segment != next.segment && sees(last, next) && sees(next, last)
     }
 
-    /// Share of a leg from `from_m` to `to_m` that gets past the walls, 1 free and 0 blocked. It passes through one half when the
-    /// leg grazes a wall's end and changes within `fade_m` on either side of it. `ends_on` are segments the leg starts or
-    /// ends on; they do not hide it.
+    /// Share of a leg from `from_m` to `to_m` that gets past the walls, 1 free and 0 blocked. It passes by one half when the leg grazes a
+    /// wall's end and changes within `fade_m` on either side of it. The segments `through` do not hide it.
     pub(crate) fn transmission(
         &self,
         from_m: Vec2,
         to_m: Vec2,
-        ends_on: [Option<usize>; 2],
+        through: &[Option<usize>],
         fade_m: f64,
     ) -> f64 {
         let leg = sub(to_m, from_m);
         let leg_length_m = length(leg);
         let mut hidden = 0.0;
         for (index, segment) in self.segments.iter().enumerate() {
-            if ends_on.contains(&Some(index)) {
+            if through.contains(&Some(index)) {
                 continue;
             }
             let wall = sub(segment.ends_m[1], segment.ends_m[0]);

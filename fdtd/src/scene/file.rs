@@ -61,6 +61,7 @@ pub(super) struct SceneFile {
 /// A homogeneous fluid at rest.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
+#[schemars(rename = "Medium")]
 struct MediumFile {
     /// Speed of sound in m/s.
     c_mps: f64,
@@ -80,6 +81,7 @@ impl Default for MediumFile {
 /// Size and step of the grid; the domain is `[0, nx dx] x [0, ny dx]` and includes the absorbing layer.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Grid")]
 struct GridFile {
     /// Cells along x.
     nx: usize,
@@ -94,6 +96,7 @@ struct GridFile {
 /// A rigid wall along a polyline.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Wall")]
 struct WallFile {
     /// Corner points `[x, y]` of the middle line in metres; the first again at the end closes the wall.
     points_m: Vec<[f64; 2]>,
@@ -105,6 +108,7 @@ struct WallFile {
 /// A drive: either `start` and `legs`, or `file`.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Path")]
 struct PathFile {
     /// Pose (and speeds, by default zero) at time 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -126,6 +130,7 @@ struct PathFile {
 /// Where a drive begins.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Start")]
 struct StartFile {
     /// Position in metres.
     x_m: f64,
@@ -144,6 +149,7 @@ struct StartFile {
 /// A command: drive at this speed and turn rate for this long.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Leg")]
 struct LegFile {
     /// Duration in seconds, including the time to reach the commanded speeds.
     duration_s: f64,

@@ -83,25 +83,25 @@ fn frames_at(text: &[u8]) -> Vec<Frame> {
     frames
 }
 
-/// `paths.mapping.legs[3].v_mps`; of a missing field the path it would have.
+/// `paths.mapping.legs[3].v_mps`; of a missing field the path it would have (the parser stops behind its object).
 fn path(frames: &[Frame], problem: &str) -> String {
     let missing = problem
         .strip_prefix("missing field `")
         .and_then(|rest| rest.strip_suffix('`'));
     let mut path = String::new();
-    let join = |path: &mut String, key: &str| {
-        if !path.is_empty() && !key.is_empty() {
+    let mut join = |key: &str| {
+        if !path.is_empty() && !key.is_empty() && !key.starts_with('[') {
             path.push('.');
         }
         path.push_str(key);
     };
-    for (depth, frame) in frames.iter().enumerate() {
-        match (frame, missing) {
-            (Frame::Object(_), Some(key)) if depth + 1 == frames.len() => join(&mut path, key),
-            (Frame::Object(key), _) => join(&mut path, key),
-            (Frame::Array(element), _) => path.push_str(&format!("[{element}]")),
+    for frame in frames {
+        match frame {
+            Frame::Object(key) => join(key),
+            Frame::Array(element) => join(&format!("[{element}]")),
         }
     }
+    join(missing.unwrap_or_default());
     path
 }
 

@@ -6,23 +6,28 @@
 /// `(sum n ln n (joint) - sum n ln n (first) - sum n ln n (second)) / N + ln N`, and n ln n comes from a table.
 #[derive(Debug, Clone)]
 pub struct MutualInformation {
-    /// Bins of one image, K + 1.
-    levels: usize,
     pixels: usize,
+    /// Binary digits of one bin number.
+    digits: u32,
+    /// Joint counts, row by row; zero between calls.
     joint: Vec<u32>,
-    single: Vec<u32>,
+    /// Place of every pixel among the joint counts.
+    places: Vec<u16>,
+    /// Counts of single bins in four copies, so that a run of equal pixels does not wait for itself.
+    single: [[u32; 256]; 4],
     n_ln_n: Vec<f64>,
 }
 
 impl MutualInformation {
     /// For images of `pixels` pixels with bin numbers 0 to `bins` (at most 255).
     pub fn new(bins: usize, pixels: usize) -> Self {
-        let levels = bins.min(255) + 1;
+        let digits = (bins.min(255) + 1).next_power_of_two().ilog2();
         Self {
-            levels,
             pixels,
-            joint: vec![0; levels * levels],
-            single: vec![0; 256],
+            digits,
+            joint: vec![0; 1 << (2 * digits)],
+            places: vec![0; pixels],
+            single: [[0; 256]; 4],
             n_ln_n: (0..=pixels)
                 .map(|n| {
                     if n < 2 {
@@ -37,19 +42,26 @@ impl MutualInformation {
 
     /// Sum of n ln n over the bins of one image: `N ln N - N` times its entropy.
     pub fn marginal(&mut self, image: &[u8]) -> f64 {
-        self.single.fill(0);
-        for &bin in image {
-            self.single[usize::from(bin)] += 1;
+        self.single = [[0; 256]; 4];
+        let (chunks, rest) = image.as_chunks::<4>();
+        for chunk in chunks {
+            for (single, &bin) in self.single.iter_mut().zip(chunk) {
+                single[usize::from(bin)] += 1;
+            }
         }
-        self.single
-            .iter()
-            .map(|&count| self.n_ln_n.get(count as usize).copied().unwrap_or(0.0))
+        for &bin in rest {
+            self.single[0][usize::from(bin)] += 1;
+        }
+        let count = |bin: usize| self.single.iter().map(|single| single[bin]).sum::<u32>();
+        (0..256)
+            .map(|bin| self.n_ln_n.get(count(bin) as usize).copied().unwrap_or(0.0))
             .sum()
     }
 
     /// Mutual information in nats of two images whose [`Self::marginal`] sums are known.
     ///
-    /// Both images have the number of pixels given to [`Self::new`] and no bin above `bins`; others are clamped.
+    /// Both images have the number of pixels given to [`Self::new`] and no bin above `bins`; pixels that break this are left
+    /// out.
     pub fn information(
         &mut self,
         first: &[u8],
@@ -60,19 +72,34 @@ impl MutualInformation {
         if self.pixels == 0 {
             return 0.0;
         }
-        let highest = self.levels - 1;
-        let levels = self.levels;
-        let place =
-            |a: u8, b: u8| usize::from(a).min(highest) * levels + usize::from(b).min(highest);
-        for (&a, &b) in first.iter().zip(second) {
-            self.joint[place(a, b)] += 1;
+        let digits = self.digits;
+        for ((place, &a), &b) in self.places.iter_mut().zip(first).zip(second) {
+            *place = (u16::from(a) << digits) | u16::from(b);
         }
-        // A second walk over the pixels meets every used count once and leaves zeros behind.
-        let mut joint_sum = 0.0;
-        for (&a, &b) in first.iter().zip(second) {
-            let count = std::mem::take(&mut self.joint[place(a, b)]);
-            joint_sum += self.n_ln_n.get(count as usize).copied().unwrap_or(0.0);
+        for &place in &self.places {
+            if let Some(count) = self.joint.get_mut(usize::from(place)) {
+                *count += 1;
+            }
         }
+        // A second walk over the pixels meets every used count once and leaves zeros behind. Four sums, so that an addition
+        // does not wait for the one before.
+        let mut sums = [0.0; 4];
+        let n_ln_n = self.n_ln_n.as_slice();
+        let joint = self.joint.as_mut_slice();
+        let mut take = |place: u16| {
+            let count = joint.get_mut(usize::from(place)).map_or(0, std::mem::take);
+            n_ln_n.get(count as usize).copied().unwrap_or(0.0)
+        };
+        let (chunks, rest) = self.places.as_chunks::<4>();
+        for chunk in chunks {
+            for (sum, &place) in sums.iter_mut().zip(chunk) {
+                *sum += take(place);
+            }
+        }
+        for &place in rest {
+            sums[0] += take(place);
+        }
+        let joint_sum: f64 = sums.iter().sum();
         let total = self.pixels as f64;
         // Rounding may leave a tiny negative number where there is no information.
         ((joint_sum - first_sum - second_sum) / total + total.ln()).max(0.0)

@@ -268,3 +268,196 @@ impl Matcher {
         crop.marginal = self.tool.marginal(&crop.bins);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn small() -> Parameters {
+        Parameters {
+            window_half_width_m: 0.5,
+            start_sigma_m: 0.05,
+            start_sigma_rad: 0.05,
+            ..Parameters::default()
+        }
+    }
+
+    #[test]
+    fn perfect_sensing_leaves_no_bias() {
+        // Weights are the exact likelihood of the true pose, so the mean error over many runs vanishes.
+        let parameters = Parameters {
+            sigma_v_mps: 0.05,
+            particles: 200,
+            ..small()
+        };
+        let odometry = Odometry {
+            v_mps: 0.3,
+            omega_radps: 0.2,
+        };
+        let runs = 60;
+        let (mut x_m, mut y_m, mut turned, mut squares) = (0.0, 0.0, 0.0, 0.0);
+        for seed in 0..runs {
+            let mut truth = Pose {
+                x_m: 1.0,
+                y_m: -2.0,
+                heading_rad: 3.0,
+            };
+            let mut filter = ParticleFilter::new(&parameters, truth, seed);
+            for _ in 0..60 {
+                truth = advance(&truth, odometry, 0.1023, parameters.integration);
+                filter.predict(odometry, 0.1023);
+                let likelihood: Vec<f64> = filter
+                    .particles()
+                    .iter()
+                    .map(|pose| {
+                        let turned = wrap_angle(pose.heading_rad - truth.heading_rad);
+                        (-0.5 * (pose.distance_m(&truth) / 0.02).powi(2)
+                            - 0.5 * (turned / 0.05).powi(2))
+                        .exp()
+                    })
+                    .collect();
+                filter.weigh_by(&likelihood);
+                let pose = filter.expectation().pose;
+                filter.resample();
+                x_m += pose.x_m - truth.x_m;
+                y_m += pose.y_m - truth.y_m;
+                turned += wrap_angle(pose.heading_rad - truth.heading_rad);
+                squares += pose.distance_m(&truth).powi(2);
+            }
+        }
+        let count = 60.0 * runs as f64;
+        assert!(
+            (x_m / count).abs() < 5e-4 && (y_m / count).abs() < 5e-4,
+            "{} {}",
+            x_m / count,
+            y_m / count
+        );
+        assert!((turned / count).abs() < 2e-3, "{}", turned / count);
+        assert!((squares / count).sqrt() < 0.01);
+    }
+
+    #[test]
+    fn the_mean_heading_is_circular() {
+        let parameters = Parameters {
+            start_sigma_m: 0.0,
+            start_sigma_rad: 0.3,
+            particles: 2000,
+            ..small()
+        };
+        let filter = ParticleFilter::new(
+            &parameters,
+            Pose {
+                heading_rad: std::f64::consts::PI,
+                ..Pose::default()
+            },
+            4,
+        );
+        let expected = filter.expectation();
+        assert!(wrap_angle(expected.pose.heading_rad - std::f64::consts::PI).abs() < 0.03);
+        assert!((expected.covariance[2][2].sqrt() - 0.3).abs() < 0.02);
+        assert!((expected.effective_sample_size - 2000.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn useless_likelihoods_change_nothing_and_tempering_sharpens() {
+        let mut filter = ParticleFilter::new(&small(), Pose::default(), 4);
+        for bad in [0.0, f64::NAN, f64::INFINITY] {
+            filter.weigh_by(&[bad; 100]);
+            assert!(filter.weights().iter().all(|&weight| weight == 0.01));
+        }
+        let mut likelihood = [1.0; 100];
+        likelihood[3] = 2.0;
+        let mut tempered = ParticleFilter::new(
+            &Parameters {
+                likelihood_exponent: 4.0,
+                ..small()
+            },
+            Pose::default(),
+            4,
+        );
+        filter.weigh_by(&likelihood);
+        tempered.weigh_by(&likelihood);
+        assert!((filter.weights()[3] / filter.weights()[0] - 2.0).abs() < 1e-12);
+        assert!((tempered.weights()[3] / tempered.weights()[0] - 16.0).abs() < 1e-12);
+        assert!((tempered.weights().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn resampling_waits_for_its_threshold() {
+        let parameters = Parameters {
+            resample_threshold: 0.5,
+            ..small()
+        };
+        let mut filter = ParticleFilter::new(&parameters, Pose::default(), 4);
+        let mut likelihood = [1.0; 100];
+        likelihood[3] = 2.0;
+        filter.weigh_by(&likelihood);
+        filter.resample();
+        assert!(filter.weights()[3] > filter.weights()[0]);
+        likelihood[3] = 1e4;
+        filter.weigh_by(&likelihood);
+        let favourite = filter.particles()[3];
+        filter.resample();
+        assert!(filter.weights().iter().all(|&weight| weight == 0.01));
+        assert!(
+            filter
+                .particles()
+                .iter()
+                .filter(|&&particle| particle == favourite)
+                .count()
+                > 90
+        );
+    }
+
+    #[test]
+    fn information_agrees_with_the_printed_equations() {
+        let parameters = Parameters {
+            max_range_m: 3.0,
+            window_half_width_m: 1.5,
+            start_sigma_m: 0.3,
+            ..small()
+        };
+        let polar = ndarray::Array2::from_shape_fn((30, parameters.delays()), |(n, k)| {
+            ((n * 7 + k * 13) % 101) as f32
+        });
+        let mut map = MapImage {
+            origin_cell: [-18, -20],
+            cell_m: 0.1,
+            intensity: ndarray::Array2::from_shape_fn((45, 41), |(y, x)| {
+                ((x * 5 + y * y) % 37) as f32
+            }),
+            toa_only: ndarray::Array2::zeros((45, 41)),
+            parameters: parameters.clone(),
+        };
+        map.toa_only.assign(&map.intensity);
+        let filter = ParticleFilter::new(&parameters, Pose::default(), 4);
+        let window = Window::new(&parameters, 15);
+        for method in [Method::Doppler, Method::ToaOnly] {
+            let polar = if method == Method::ToaOnly {
+                polar.slice(ndarray::s![3..4, ..])
+            } else {
+                polar.view()
+            };
+            let mut fast = vec![0.0; 100];
+            let mut matcher = Matcher::new(&Parameters {
+                method,
+                ..parameters.clone()
+            });
+            matcher.information(polar, &map, filter.particles(), &mut fast);
+            for (pose, fast) in filter.particles().iter().zip(fast) {
+                let mut image = vec![0.0; window.len()];
+                map.crop(method, &window, map.cell_of(pose), &mut image);
+                let part =
+                    crate::reference::quantize(window.to_array(&image).as_slice().unwrap(), 127);
+                let plain = if method == Method::ToaOnly {
+                    window.draw(polar, pose.heading_rad, &mut image);
+                    window.to_array(&image)
+                } else {
+                    crate::reference::echo_image(&parameters, polar, pose.heading_rad, 15)
+                };
+                let echo = crate::reference::quantize(plain.as_slice().unwrap(), 127);
+                assert!((crate::reference::mutual_information(&part, &echo) - fast).abs() < 1e-9);
+            }
+        }
+    }
+}

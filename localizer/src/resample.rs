@@ -334,7 +334,7 @@ mod tests {
             let mut rest = fast_length(length);
             assert!(rest >= length);
             for prime in [2, 3, 5] {
-                while rest % prime == 0 {
+                while rest.is_multiple_of(prime) {
                     rest /= prime;
                 }
             }

@@ -1,12 +1,8 @@
 //! Whole drives among plane walls: map, localization, and the agreement of streaming and offline runs.
 
-#![expect(clippy::unwrap_used, reason = "a failed test may panic")]
-
-mod common;
-
 use std::sync::LazyLock;
 
-use common::{Drive, localization_drive, mapping_drive, mean_error_m, record, room};
+use crate::signals::{Drive, localization_drive, mapping_drive, mean_error_m, record, room};
 use localizer::echoes::{EchoSequence, measure};
 use localizer::offline::localize;
 use localizer::{Localizer, MapImage, Method, Odometry, Parameters, Pose, Recording, map_image};

@@ -1,12 +1,8 @@
 //! The Doppler bank on exact signals of a moving pair: range and bearing of one echo, and the plain reference.
 
-#![expect(clippy::unwrap_used, reason = "a failed test may panic")]
-
-mod common;
-
 use std::f64::consts::PI;
 
-use common::Transmitter;
+use crate::signals::Transmitter;
 use localizer::doppler::DopplerBank;
 use localizer::{Parameters, TimeReference};
 use ndarray::Array2;

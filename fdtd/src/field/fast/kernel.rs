@@ -29,7 +29,7 @@ const HELD: usize = 4;
 
 /// Vectors of the centre that the rows of a block take one after the other: all they touch then stays in the
 /// first-level cache, and each vector comes from the second level once per block.
-const CHUNK: usize = 24;
+const CHUNK: usize = 60;
 
 /// Eight numbers in registers.
 trait Vector: Number {

@@ -3,6 +3,7 @@
 //! Ray theory is what the papers lay beside the measured echoes (single, corner and double reflections), and its paths
 //! are what [`crate::image_source`] adds up. Each wall piece reflects on both sides, at its face and not at its centre line.
 
+mod faces;
 pub(crate) mod plane;
 mod reflectors;
 
@@ -21,7 +22,7 @@ pub enum RayKind {
     Direct,
     /// One wall.
     Single,
-    /// Two walls that share an end: with a right angle between them the sound comes back to where it started.
+    /// Two walls that touch: with a right angle between them the sound comes back to where it started.
     Corner,
     /// Two walls that do not touch.
     Double,

@@ -1,15 +1,11 @@
-//! The rigid faces of finite wall segments, their joints, and what they hide.
+//! The rigid faces of finite wall segments and what they hide.
 //!
-//! A wall of thickness `T` shows two faces, one on each side, at `T/2` from its centre line. Where two segments share an
-//! end, their faces are cut or prolonged to meet at the mitre, so that a closed corner has its apex where the wall's
-//! surface has it and not where the centre lines meet. The short faces at free ends are left out: they are narrower than
-//! a wavelength.
+//! A wall of thickness `T` shows two faces, one on each side, at `T/2` from its centre line (see [`super::faces`] for how they end where walls
+//! meet). The short faces at free ends are left out: they are narrower than a wavelength.
 
-use super::plane::{Vec2, add, cross, dot, left_of, length, scale, sub};
+use super::faces::faces_of;
+use super::plane::{Vec2, add, cross, dot, length, scale, sub};
 use crate::walls::Wall;
-
-/// Two ends closer than this are one joint, in metres, unless the walls are thicker: then half the thickness.
-const JOINT_TOLERANCE_M: f64 = 1e-6;
 
 /// A leg crosses a wall when it reaches at least this far past it, in metres.
 const TOUCH_M: f64 = 1e-6;
@@ -27,10 +23,38 @@ pub struct Segment {
     pub thickness_m: f64,
 }
 
+impl Segment {
+    /// Whether it touches or overlaps another.
+    fn touches(&self, other: &Self) -> bool {
+        let reach_m = 0.5 * (self.thickness_m + other.thickness_m) + TOUCH_M;
+        let ends = |of: &Self, to: &Self| {
+            of.ends_m
+                .iter()
+                .any(|&end| distance_m(end, to.ends_m) <= reach_m)
+        };
+        ends(self, other) || ends(other, self) || self.crosses(other)
+    }
+
+    fn crosses(&self, other: &Self) -> bool {
+        let splits = |[a, b]: [Vec2; 2], [p, q]: [Vec2; 2]| {
+            let along = sub(b, a);
+            cross(along, sub(p, a)) * cross(along, sub(q, a)) < 0.0
+        };
+        splits(self.ends_m, other.ends_m) && splits(other.ends_m, self.ends_m)
+    }
+}
+
+/// Distance of a point from a line segment.
+fn distance_m(point_m: Vec2, [a, b]: [Vec2; 2]) -> f64 {
+    let along = sub(b, a);
+    let share = (dot(sub(point_m, a), along) / dot(along, along)).clamp(0.0, 1.0);
+    length(sub(point_m, add(a, scale(along, share))))
+}
+
 /// One reflecting side of a segment: a line segment with a front.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Face {
-    /// Index of the segment it belongs to, in [`Reflectors::segments`].
+    /// Index of the segment it belongs to, in [`Reflectors::segments`]; a segment can have several on one side.
     pub segment: usize,
     /// One end in metres.
     pub start_m: Vec2,
@@ -69,6 +93,8 @@ impl Face {
 pub struct Reflectors {
     segments: Vec<Segment>,
     faces: Vec<Face>,
+    /// Whether two segments touch, `[first * count + second]`.
+    touching: Vec<bool>,
 }
 
 impl Reflectors {
@@ -78,11 +104,16 @@ impl Reflectors {
             .into_iter()
             .filter(|segment| length(sub(segment.ends_m[1], segment.ends_m[0])) > 0.0)
             .collect();
-        let faces = (0..segments.len())
-            .flat_map(|index| [1.0, -1.0].map(|side| face_of(&segments, index, side)))
-            .flatten()
+        let faces = faces_of(&segments);
+        let touching = segments
+            .iter()
+            .flat_map(|one| segments.iter().map(|other| one.touches(other)))
             .collect();
-        Self { segments, faces }
+        Self {
+            segments,
+            faces,
+            touching,
+        }
     }
 
     /// Faces of the walls of a scene.
@@ -106,21 +137,14 @@ impl Reflectors {
         &self.segments
     }
 
-    /// The reflecting faces, up to two per piece.
+    /// The reflecting faces.
     pub fn faces(&self) -> &[Face] {
         &self.faces
     }
 
-    /// Whether two segments share an end.
+    /// Whether two segments touch or overlap.
     pub fn are_joined(&self, first: usize, second: usize) -> bool {
-        let (one, other) = (&self.segments[first], &self.segments[second]);
-        let tolerance_m = joint_tolerance_m(one, other);
-        one.ends_m.iter().any(|&p| {
-            other
-                .ends_m
-                .iter()
-                .any(|&q| length(sub(p, q)) <= tolerance_m)
-        })
+        self.touching[first * self.segments.len() + second]
     }
 
     /// All face sequences up to `max_order` reflections along which sound can travel at all, shortest first: each next face
@@ -200,62 +224,4 @@ pub(crate) fn fade(clearance_m: f64, fade_m: f64) -> f64 {
     } else {
         0.5 + 0.5 * (std::f64::consts::FRAC_PI_2 * clearance_m / fade_m).sin()
     }
-}
-
-fn joint_tolerance_m(one: &Segment, other: &Segment) -> f64 {
-    JOINT_TOLERANCE_M.max(0.5 * one.thickness_m.min(other.thickness_m))
-}
-
-/// The face on one side (+1 left of the centre line's direction, -1 right), or none when its neighbours hide all of it.
-fn face_of(segments: &[Segment], index: usize, side: f64) -> Option<Face> {
-    let segment = &segments[index];
-    let [a, b] = segment.ends_m;
-    let extent = sub(b, a);
-    let full_m = length(extent);
-    let along = scale(extent, 1.0 / full_m);
-    let normal = scale(left_of(along), side);
-    let cut_start_m = mitre_m(segments, index, a, along, normal);
-    let cut_end_m = mitre_m(segments, index, b, scale(along, -1.0), normal);
-    let length_m = full_m - cut_start_m - cut_end_m;
-    (length_m > 0.0).then(|| Face {
-        segment: index,
-        start_m: add(
-            add(a, scale(normal, 0.5 * segment.thickness_m)),
-            scale(along, cut_start_m),
-        ),
-        along,
-        normal,
-        length_m,
-    })
-}
-
-/// How much of a face the joint at `joint_m` takes away (or adds, negative), in metres. `away` is the unit vector from the joint along
-/// the segment.
-fn mitre_m(segments: &[Segment], index: usize, joint_m: Vec2, away: Vec2, normal: Vec2) -> f64 {
-    let own = &segments[index];
-    // Turning from this segment towards the face's side, the first other segment met bounds the same free sector.
-    let neighbour = segments
-        .iter()
-        .enumerate()
-        .filter(|&(other, _)| other != index)
-        .flat_map(|(_, other)| {
-            let [p, q] = other.ends_m;
-            [(p, q), (q, p)].map(|(near, far)| (near, sub(far, near), other))
-        })
-        .filter(|(near, _, other)| length(sub(*near, joint_m)) <= joint_tolerance_m(own, other))
-        .map(|(_, direction, other)| {
-            let turn = dot(direction, normal).atan2(dot(direction, away));
-            (turn.rem_euclid(std::f64::consts::TAU), other.thickness_m)
-        })
-        .min_by(|one, other| one.0.total_cmp(&other.0));
-    let Some((turn_rad, neighbour_thickness_m)) = neighbour else {
-        return 0.0;
-    };
-    let (sine, cosine) = turn_rad.sin_cos();
-    if sine.abs() < 1e-6 {
-        return 0.0;
-    }
-    let cut_m = 0.5 * (neighbour_thickness_m + own.thickness_m * cosine) / sine;
-    // A sharp outer corner would be prolonged without end: the wall's joint is round there.
-    cut_m.max(-own.thickness_m)
 }

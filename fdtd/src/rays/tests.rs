@@ -195,3 +195,46 @@ fn fading_is_complementary() {
     close(fade(0.02, 0.05) + fade(-0.02, 0.05), 1.0);
     close((FRAC_PI_2 * 0.4).sin() * 0.5 + 0.5, fade(0.02, 0.05));
 }
+
+#[test]
+fn walls_drawn_into_each_other_close_a_corner() {
+    // Neither shares an end with the other; the apex of the faces is at (0.01, 0.01).
+    let walls = Reflectors::new([
+        wall(0, [-0.01, 0.0], [3.0, 0.0], 0.02),
+        wall(1, [0.0, -0.01], [0.0, 3.0], 0.02),
+    ]);
+    let pair = [1.01, 0.51];
+    let paths = trace(&walls, pair, pair, &TraceOptions::default());
+    assert_eq!(
+        kinds(&paths),
+        [
+            RayKind::Direct,
+            RayKind::Single,
+            RayKind::Single,
+            RayKind::Corner
+        ]
+    );
+    close(paths[3].length_m, 2.0 * 1.25f64.sqrt());
+    assert!(paths[3].clearance_m.abs() < 1e-5);
+}
+
+#[test]
+fn a_wall_that_ends_on_another_splits_its_face() {
+    let walls = Reflectors::new([
+        wall(0, [0.0, 0.0], [4.0, 0.0], 0.02),
+        wall(1, [1.0, 0.0], [1.0, 2.0], 0.02),
+    ]);
+    let upper = |face: &&Face| face.segment == 0 && face.normal[1] > 0.5;
+    let mut lengths: Vec<f64> = walls
+        .faces()
+        .iter()
+        .filter(upper)
+        .map(|face| face.length_m)
+        .collect();
+    lengths.sort_by(f64::total_cmp);
+    assert_eq!(lengths.len(), 2);
+    assert!((lengths[0] - 0.99).abs() < 1e-5 && (lengths[1] - 2.99).abs() < 1e-5);
+    let pair = [2.0, 1.0];
+    let paths = trace(&walls, pair, pair, &TraceOptions::default());
+    assert!(paths.iter().any(RayPath::is_corner));
+}

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result};
 use fdtd::rays::{RayKind, Reflectors, TraceOptions, trace};
+use fdtd::walls::Wall;
 use localizer::echoes;
 use ndarray::Array2;
 
@@ -46,6 +47,7 @@ fn rays(lab: &Laboratory, times_s: &[f64]) -> Result<Vec<Ray>> {
             let kind = match ray.kind {
                 RayKind::Single => "single",
                 RayKind::Corner => "corner",
+                RayKind::Double if meet(&lab.scene.walls, &ray.walls) => "corner",
                 RayKind::Double => "double",
                 RayKind::Direct | RayKind::Multiple => continue,
             };
@@ -57,6 +59,26 @@ fn rays(lab: &Laboratory, times_s: &[f64]) -> Result<Vec<Ray>> {
         }
     }
     Ok(found)
+}
+
+/// Whether the two wall pieces of a double reflection end so near each other that they make a closed corner.
+fn meet(walls: &[Wall], pieces: &[(usize, usize)]) -> bool {
+    let ends = |&(wall, piece): &(usize, usize)| {
+        let wall = walls.get(wall)?;
+        Some((wall.segments_m().nth(piece)?, wall.thickness_m))
+    };
+    let Some([Some((one, thickness_m)), Some((other, other_thickness_m))]) = pieces
+        .first_chunk::<2>()
+        .map(|pair| pair.each_ref().map(ends))
+    else {
+        return false;
+    };
+    let reach_m = thickness_m.max(other_thickness_m);
+    one.iter().any(|a| {
+        other
+            .iter()
+            .any(|b| (a[0] - b[0]).hypot(a[1] - b[1]) <= reach_m)
+    })
 }
 
 /// Runs the study.

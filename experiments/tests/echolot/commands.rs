@@ -124,7 +124,7 @@ fn results_are_json_when_asked_for() {
     };
     let scene = parse(&["scene", "check", "room.json", "--json"]);
     assert_eq!(scene["cells"], 250_000);
-    assert_eq!(scene["paths"]["mapping"]["duration_s"], 8.0);
+    assert_eq!(scene["paths"]["mapping"]["duration_s"], 15.0);
     let studies = parse(&["list", "--json"]);
     assert!(studies.as_array().unwrap().len() >= 9);
     assert!(parse(&["scene", "schema"])["properties"].is_object());

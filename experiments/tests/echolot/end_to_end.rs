@@ -17,7 +17,6 @@ fn a_simulated_robot_finds_itself() {
     let at = folder.path();
     scene_file(at);
     for path in ["mapping", "localization"] {
-        // A strong bias lets odometry lose the way even in a short drive.
         let recording = [
             "simulate",
             "room.json",
@@ -25,8 +24,6 @@ fn a_simulated_robot_finds_itself() {
             path,
             "--engine",
             "image-source",
-            "--odometry-bias",
-            "0.06",
             "-o",
             path,
         ];

@@ -5,19 +5,20 @@ use std::process::{Command, Output};
 
 use fdtd::scene::Scene;
 
-/// A scene file with three walls and the drives `mapping`, `localization` and `short`.
+/// A scene file with four walls and the drives `mapping`, `localization` and `short`.
 pub(crate) const ROOM: &str = r#"{
   "name": "room",
   "grid": {"nx": 500, "ny": 500, "dx_m": 0.005, "dt_s": 8.333333333333333e-6},
   "walls": [
     {"points_m": [[0.35, 2.1], [0.4, 0.4], [2.0, 0.32]], "thickness_m": 0.02},
-    {"points_m": [[2.15, 0.6], [2.2, 2.0]], "thickness_m": 0.02}
+    {"points_m": [[2.15, 0.6], [2.2, 2.0]], "thickness_m": 0.02},
+    {"points_m": [[0.7, 2.2], [1.9, 2.12]], "thickness_m": 0.02}
   ],
   "paths": {
     "mapping": {"start": {"x_m": 1.6, "y_m": 1.25, "heading_rad": 1.5708, "v_mps": 0.3},
-      "legs": [{"duration_s": 8, "v_mps": 0.3, "omega_radps": 0.8}]},
+      "legs": [{"duration_s": 8, "v_mps": 0.3, "omega_radps": 0.8}, {"duration_s": 7, "v_mps": 0.3, "omega_radps": 1.0}]},
     "localization": {"start": {"x_m": 0.85, "y_m": 0.9, "heading_rad": 0.2, "v_mps": 0.22},
-      "legs": [{"duration_s": 5, "v_mps": 0.22, "omega_radps": 0.4}]},
+      "legs": [{"duration_s": 5, "v_mps": 0.22, "omega_radps": 0.4}, {"duration_s": 5, "v_mps": 0.22, "omega_radps": 0.6}]},
     "short": {"start": {"x_m": 0.85, "y_m": 0.9, "heading_rad": 0.2, "v_mps": 0.22},
       "legs": [{"duration_s": 0.12, "v_mps": 0.22, "omega_radps": 0.4}]}
   }

@@ -26,6 +26,8 @@ pub struct DopplerBank {
     block_length: usize,
     delays: usize,
     directions: usize,
+    /// Delays to both sides over which the largest envelope counts.
+    pool: usize,
     speed_of_sound_mps: f64,
     /// Position in the block, in samples, that the resampling leaves in place.
     origin: f64,
@@ -42,6 +44,7 @@ pub struct DopplerScratch {
     folded: [Vec<f32>; 2],
     spectrum: Vec<Complex<f32>>,
     analytic: Vec<Complex<f32>>,
+    envelope: Vec<f32>,
     work: Vec<Complex<f32>>,
 }
 
@@ -60,6 +63,7 @@ impl DopplerBank {
             block_length,
             delays: parameters.delays(),
             directions: parameters.directions,
+            pool: parameters.delay_of_range(parameters.range_pool_m),
             speed_of_sound_mps: parameters.speed_of_sound_mps,
             origin: match parameters.time_reference {
                 TimeReference::Centre => 0.5 * block_length as f64,
@@ -84,6 +88,7 @@ impl DopplerBank {
             folded: [vec![0.0; self.period], vec![0.0; self.period]],
             spectrum: vec![zero; self.period],
             analytic: vec![zero; self.period],
+            envelope: vec![0.0; (self.delays + self.pool).min(self.period)],
             work: vec![zero; work],
         }
     }
@@ -138,13 +143,14 @@ impl DopplerBank {
                 self.correlate(&scratch.spectrum, direction % 2 == 1, &mut scratch.analytic);
                 self.inverse
                     .process_with_scratch(&mut scratch.analytic, &mut scratch.work);
-                for (out, value) in intensity
-                    .row_mut(direction)
-                    .iter_mut()
-                    .zip(&scratch.analytic)
-                {
+                for (out, value) in scratch.envelope.iter_mut().zip(&scratch.analytic) {
                     *out = (value.re * value.re + value.im * value.im).sqrt();
                 }
+                pool(
+                    &scratch.envelope,
+                    self.pool,
+                    intensity.row_mut(direction).into_slice(),
+                );
             }
         }
     }
@@ -165,6 +171,27 @@ impl DopplerBank {
     }
 }
 
+/// The largest of the values up to `reach` places away, for the first places of `envelope`.
+fn pool(envelope: &[f32], reach: usize, pooled: Option<&mut [f32]>) {
+    // A row of a standard array is contiguous; only a caller's own exotic layout is not, and stays as it is.
+    let Some(pooled) = pooled else {
+        return;
+    };
+    let count = pooled.len().min(envelope.len());
+    let pooled = &mut pooled[..count];
+    pooled.copy_from_slice(&envelope[..count]);
+    for shift in 1..=reach {
+        let after = envelope.get(shift..).unwrap_or(&[]);
+        let before = pooled.get_mut(shift..).unwrap_or(&mut []);
+        for (value, &other) in before.iter_mut().zip(envelope) {
+            *value = if other > *value { other } else { *value };
+        }
+        for (value, &other) in pooled.iter_mut().zip(after) {
+            *value = if other > *value { other } else { *value };
+        }
+    }
+}
+
 /// Conjugate spectrum of the transmitted period with the scale of the inverse transform, the sum over M periods and the
 /// analytic signal (factor 2); the mean and the line at half the sample rate carry no envelope and are left out.
 fn matched_filter(transmitted: &[f64], periods: usize) -> Vec<Complex<f32>> {
@@ -181,4 +208,24 @@ fn matched_filter(transmitted: &[f64], periods: usize) -> Vec<Complex<f32>> {
         .iter()
         .map(|line| Complex::new((line.re * scale) as f32, (-line.im * scale) as f32))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pooling_takes_the_largest_neighbour() {
+        let envelope = [0.0, 5.0, 0.0, 0.0, 0.0, 2.0, 0.0, 3.0];
+        let mut pooled = [0.0; 6];
+        for (reach, expected) in [
+            (0, [0.0, 5.0, 0.0, 0.0, 0.0, 2.0]),
+            (1, [5.0, 5.0, 5.0, 0.0, 2.0, 2.0]),
+            (2, [5.0, 5.0, 5.0, 5.0, 2.0, 3.0]),
+            (99, [5.0; 6]),
+        ] {
+            pool(&envelope, reach, Some(&mut pooled));
+            assert_eq!(pooled, expected, "reach {reach}");
+        }
+    }
 }

@@ -106,6 +106,9 @@ pub struct Parameters {
     pub min_range_m: f64,
     /// Echoes are measured up to this range, in metres.
     pub max_range_m: f64,
+    /// H at a delay is the largest envelope within this range to both sides, in metres. The envelope's peak is far narrower
+    /// than a cell, so that eq. (5), which reads one sample per pixel, misses most of it; 0 is eq. (5) as printed.
+    pub range_pool_m: f64,
     /// A block with a smaller mean speed has no bearings: it moves the particles and weighs nothing. In m/s.
     pub min_speed_mps: f64,
     /// What is assumed about the speed within a block.
@@ -144,6 +147,7 @@ impl Default for Parameters {
             direct_wave_time_s: 10.0,
             min_range_m: 0.25,
             max_range_m: 8.5,
+            range_pool_m: 0.0,
             min_speed_mps: 0.02,
             motion_model: MotionModel::default(),
             integration: Integration::default(),
@@ -238,6 +242,7 @@ impl Parameters {
             ("sigma_v_mps", self.sigma_v_mps),
             ("sigma_omega_radps", self.sigma_omega_radps),
             ("min_range_m", self.min_range_m),
+            ("range_pool_m", self.range_pool_m),
             ("min_speed_mps", self.min_speed_mps),
             ("start_sigma_m", self.start_sigma_m),
             ("start_sigma_rad", self.start_sigma_rad),
@@ -292,6 +297,13 @@ impl Parameters {
                 "window_half_width_m",
                 &self.window_half_width_m,
                 "give 1 to 2000 cells of cell_m",
+            );
+        }
+        if self.range_pool_m > self.max_range_m {
+            return refuse(
+                "range_pool_m",
+                &self.range_pool_m,
+                "give at most max_range_m; half a cell is plenty",
             );
         }
         let longest_m = self.range_of_delay_m(self.samples_per_period() as f64 - 1.0);

@@ -27,7 +27,9 @@ pub enum Error {
         remedy: String,
     },
     /// The field stopped being finite.
-    #[error("the field became non-finite between step {first_step} and {last_step} ({time_s:.4} s); reduce grid.dt_s or check the scene")]
+    #[error(
+        "the field became non-finite between step {first_step} and {last_step} ({time_s:.4} s); reduce grid.dt_s or check the scene"
+    )]
     NonFinite {
         /// First step of the block in which it happened.
         first_step: u64,

@@ -140,16 +140,16 @@ fn m13_row(
     let width = n + 2 * RIM;
     let (far_south, south, here) = (&far_south[..width], &south[..width], &here[..width]);
     let (north, far_north) = (&north[..width], &far_north[..width]);
-    for i in 0..n {
+    for (i, p) in next.iter_mut().enumerate() {
         let x = i + RIM;
         let column = |x: usize| w.m13_column(here[x], south[x] + north[x]);
-        next[i] = w.m13(
+        *p = w.m13(
             here[x],
             south[x] + north[x],
             [column(x - 1), column(x + 1)],
             [here[x - 2], here[x + 2]],
             [far_south[x], far_north[x]],
-            next[i],
+            *p,
         );
     }
 }

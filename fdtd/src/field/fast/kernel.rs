@@ -2,9 +2,9 @@
 //!
 //! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same
 //! time, which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said
-//! in [`super::tiles`]: which rows a tile reads and writes, and that no two tiles of a phase touch the same row in
+//! in `tiles`: which rows a tile reads and writes, and that no two tiles of a phase touch the same row in
 //! conflicting ways. All pointers stay inside the buffers because the layout gives every row a halo of
-//! [`HALO`] vectors and the buffers a rim of [`HALO`] rows.
+//! `HALO` vectors and the buffers a rim of `HALO` rows.
 #![expect(
     unsafe_code,
     reason = "disjoint rows of shared buffers; see the module's text"

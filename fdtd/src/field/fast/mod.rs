@@ -1,8 +1,8 @@
 //! The fast engine: several steps per pass through memory, vectors of eight cells, one strip of rows per thread.
 //!
-//! * [`layout`]: lane-transposed rows, so that loads are aligned and shared between columns.
-//! * [`tiles`]: time blocks of strips and triangles, so that threads meet twice per block.
-//! * [`kernel`]: the sweeps, a wavefront of four-row blocks that keeps the rows of all steps of a block in cache.
+//! * `layout`: lane-transposed rows, so that loads are aligned and shared between columns.
+//! * `tiles`: time blocks of strips and triangles, so that threads meet twice per block.
+//! * `kernel`: the sweeps, a wavefront of four-row blocks that keeps the rows of all steps of a block in cache.
 
 mod kernel;
 mod layout;

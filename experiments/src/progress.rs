@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 /// Pause between two lines when there is no terminal.
-const LINE_PERIOD: Duration = Duration::from_secs(30);
+const LINE_PERIOD: Duration = Duration::from_secs(60);
 
 /// The place where bars of one command are drawn, one below the other.
 pub struct Board {

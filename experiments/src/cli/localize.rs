@@ -8,6 +8,7 @@ use localizer::{Method, Pose, Recording, echoes, map_image, offline};
 
 use super::{ParameterArguments, print_json};
 use crate::metrics::{mean, quantile, rounded};
+use crate::progress::Board;
 
 /// Method of localization.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -80,7 +81,9 @@ impl Arguments {
         parameters.window_half_width_m = self.window.unwrap_or(parameters.window_half_width_m);
         parameters.particles = self.particles.unwrap_or(parameters.particles);
         parameters.check()?;
+        let task = Board::new().task("localize", 2);
         let sequence = echoes::measure(&recording, &parameters)?;
+        task.set(1);
         let estimates = offline::localize(
             &sequence,
             &map,
@@ -88,6 +91,7 @@ impl Arguments {
             recording.start_pose(),
             self.seed,
         )?;
+        task.finish();
         offline::trajectory(&estimates).write_tum(&self.output)?;
         let errors: Option<Vec<f64>> = recording.truth.as_ref().map(|truth| {
             let distance =

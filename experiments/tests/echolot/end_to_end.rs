@@ -48,7 +48,7 @@ fn a_simulated_robot_finds_itself() {
     let doppler = localize("doppler", "doppler.tum");
     let odometry = localize("odometry", "odometry.tum");
     assert!(
-        doppler < 0.05 && odometry > 1.5 * doppler,
+        doppler < 0.05 && odometry > 1.2 * doppler,
         "{doppler} {odometry}"
     );
     assert_eq!(localize("doppler", "again.tum"), doppler);

@@ -30,6 +30,7 @@ mod files;
 pub mod localizer;
 pub mod map_folder;
 pub mod map_image;
+mod matcher;
 pub mod mutual_information;
 pub mod offline;
 pub mod parameters;

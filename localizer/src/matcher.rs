@@ -1,0 +1,165 @@
+//! Likelihood of the particles: mutual information of echo images and parts of the map, eqs. (9)-(16).
+
+use ndarray::ArrayView2;
+
+use crate::echo_image::Window;
+use crate::map_image::MapImage;
+use crate::mutual_information::{MutualInformation, quantize};
+use crate::parameters::{Method, Parameters};
+use crate::pose::Pose;
+
+/// Compares echo images with parts of the map, eqs. (9)-(16).
+///
+/// Particles in the same cell see the same part of the map; it is cut out and quantized once a step.
+pub(crate) struct Matcher {
+    method: Method,
+    bins: usize,
+    window: Window,
+    tool: MutualInformation,
+    image: Vec<f32>,
+    echo: Vec<u8>,
+    crops: Vec<Crop>,
+}
+
+/// A quantized part of the map and, for the range-only method, its mutual information with the echo image.
+struct Crop {
+    centre: [i64; 2],
+    bins: Vec<u8>,
+    marginal: f64,
+    information: Option<f64>,
+}
+
+impl Matcher {
+    pub(crate) fn new(parameters: &Parameters) -> Self {
+        let window = Window::new(parameters, parameters.window_cells());
+        Self {
+            method: parameters.method,
+            bins: parameters.bins,
+            tool: MutualInformation::new(parameters.bins, window.len()),
+            image: vec![0.0; window.len()],
+            echo: vec![0; window.len()],
+            crops: Vec::new(),
+            window,
+        }
+    }
+
+    /// Mutual information of every particle's echo image and part of the map.
+    pub(crate) fn information(
+        &mut self,
+        polar: ArrayView2<'_, f32>,
+        map: &MapImage,
+        particles: &[Pose],
+        information: &mut [f64],
+    ) {
+        let mut used = 0;
+        let blind = polar.nrows() == 1;
+        let mut echo_marginal = 0.0;
+        for (index, (particle, out)) in particles.iter().zip(information).enumerate() {
+            let centre = map.cell_of(particle);
+            let crop = match self.crops[..used]
+                .iter()
+                .position(|crop| crop.centre == centre)
+            {
+                Some(crop) => crop,
+                None => {
+                    self.cut(map, centre, used);
+                    used += 1;
+                    used - 1
+                }
+            };
+            // Without bearings the echo image is the same for every particle.
+            if index == 0 || !blind {
+                self.window
+                    .draw(polar, particle.heading_rad, &mut self.image);
+                quantize(&self.image, self.bins, &mut self.echo);
+                echo_marginal = self.tool.marginal(&self.echo);
+            }
+            let crop = &mut self.crops[crop];
+            *out = match crop.information.filter(|_| blind) {
+                Some(known) => known,
+                None => self
+                    .tool
+                    .information(&self.echo, echo_marginal, &crop.bins, crop.marginal),
+            };
+            crop.information = Some(*out);
+        }
+    }
+
+    /// Makes crop number `slot` the one around a world cell.
+    fn cut(&mut self, map: &MapImage, centre: [i64; 2], slot: usize) {
+        if slot == self.crops.len() {
+            let bins = vec![0; self.window.len()];
+            self.crops.push(Crop {
+                centre,
+                bins,
+                marginal: 0.0,
+                information: None,
+            });
+        }
+        let crop = &mut self.crops[slot];
+        crop.centre = centre;
+        crop.information = None;
+        map.crop(self.method, &self.window, centre, &mut self.image);
+        quantize(&self.image, self.bins, &mut crop.bins);
+        crop.marginal = self.tool.marginal(&crop.bins);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particle_filter::ParticleFilter;
+
+    #[test]
+    fn information_agrees_with_the_printed_equations() {
+        let parameters = Parameters {
+            max_range_m: 3.0,
+            window_half_width_m: 1.5,
+            start_sigma_m: 0.3,
+            start_sigma_rad: 0.05,
+            ..Parameters::default()
+        };
+        let polar = ndarray::Array2::from_shape_fn((30, parameters.delays()), |(n, k)| {
+            ((n * 7 + k * 13) % 101) as f32
+        });
+        let mut map = MapImage {
+            origin_cell: [-18, -20],
+            cell_m: 0.1,
+            intensity: ndarray::Array2::from_shape_fn((45, 41), |(y, x)| {
+                ((x * 5 + y * y) % 37) as f32
+            }),
+            toa_only: ndarray::Array2::zeros((45, 41)),
+            parameters: parameters.clone(),
+        };
+        map.toa_only.assign(&map.intensity);
+        let filter = ParticleFilter::new(&parameters, Pose::default(), 4);
+        let window = Window::new(&parameters, 15);
+        for method in [Method::Doppler, Method::ToaOnly] {
+            let polar = if method == Method::ToaOnly {
+                polar.slice(ndarray::s![3..4, ..])
+            } else {
+                polar.view()
+            };
+            let mut fast = vec![0.0; 100];
+            let mut matcher = Matcher::new(&Parameters {
+                method,
+                ..parameters.clone()
+            });
+            matcher.information(polar, &map, filter.particles(), &mut fast);
+            for (pose, fast) in filter.particles().iter().zip(fast) {
+                let mut image = vec![0.0; window.len()];
+                map.crop(method, &window, map.cell_of(pose), &mut image);
+                let part =
+                    crate::reference::quantize(window.to_array(&image).as_slice().unwrap(), 127);
+                let plain = if method == Method::ToaOnly {
+                    window.draw(polar, pose.heading_rad, &mut image);
+                    window.to_array(&image)
+                } else {
+                    crate::reference::echo_image(&parameters, polar, pose.heading_rad, 15)
+                };
+                let echo = crate::reference::quantize(plain.as_slice().unwrap(), 127);
+                assert!((crate::reference::mutual_information(&part, &echo) - fast).abs() < 1e-9);
+            }
+        }
+    }
+}

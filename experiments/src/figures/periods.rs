@@ -23,6 +23,14 @@ const MARKERS: [Marker; 4] = [
     Marker::Disc,
 ];
 
+/// The style of a number of periods, the same in every preset: up to 1, 2 and 4, and more.
+fn style_of(periods: f64) -> usize {
+    [1.0, 2.0, 4.0]
+        .iter()
+        .filter(|limit| periods > **limit)
+        .count()
+}
+
 /// Draws the figure.
 ///
 /// # Errors
@@ -46,18 +54,19 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             marker: None,
             text: name.to_string(),
         }];
-        for (index, periods) in paths.distinct("m")?.iter().enumerate() {
+        for periods in &paths.distinct("m")? {
+            let index = style_of(periods.parse().unwrap_or(0.0));
             let rows = paths.only("m", periods)?;
             let points: Vec<(f64, f64)> = rows
                 .numbers("x_m")?
                 .into_iter()
                 .zip(rows.numbers("y_m")?)
                 .collect();
-            let stroke = STROKES[index % STROKES.len()];
+            let stroke = STROKES[index];
             left.curve(&points, stroke)?;
             entries.push(Entry {
                 stroke: Some(stroke),
-                marker: Some((MARKERS[index % MARKERS.len()], stroke.colour)),
+                marker: Some((MARKERS[index], stroke.colour)),
                 text: format!("M = {periods}"),
             });
         }
@@ -76,15 +85,11 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         right.grid()?;
         let curve: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1)).collect();
         right.curve(&curve, Stroke::solid(colour::GREY, 3.0))?;
-        for (index, cell) in cells.iter().enumerate() {
-            let shade = STROKES[index % STROKES.len()].colour;
+        for cell in &cells {
+            let index = style_of(cell.0);
+            let shade = STROKES[index].colour;
             right.whiskers(&[(cell.0, cell.2[0], cell.2[1])], shade)?;
-            right.markers(
-                &[(cell.0, cell.1)],
-                MARKERS[index % MARKERS.len()],
-                24.0,
-                shade,
-            )?;
+            right.markers(&[(cell.0, cell.1)], MARKERS[index], 24.0, shade)?;
         }
         right.finish("(b) mean error, bars: 95 % interval")?;
         legend(sheet, [120.0, 80.0], 1620.0, &entries)?;

@@ -71,12 +71,21 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             [low[0], low[0] + columns as f64 * place.cell_m],
             [low[1], low[1] + rows as f64 * place.cell_m],
         ];
-        let values: Vec<f64> = map.iter().map(|value| f64::from(*value)).collect();
+        // Only what is shown counts for the scale: the map reaches far beyond the room.
+        let inside = |axis: usize, index: usize| {
+            let centre = place.origin_m[axis] + index as f64 * place.cell_m;
+            (0.0..=layout.size_m[axis]).contains(&centre)
+        };
+        let values: Vec<f64> = map
+            .indexed_iter()
+            .filter(|((iy, ix), _)| inside(0, *ix) && inside(1, *iy))
+            .map(|(_, value)| f64::from(*value))
+            .collect();
         let greatest = quantile(&values, 1.0).max(f64::MIN_POSITIVE);
         let shown = map.mapv(|value| (f64::from(value) / greatest) as f32);
         let scale = [
-            quantile(&values, 0.2) / greatest,
-            quantile(&values, 0.999) / greatest,
+            quantile(&values, 0.05) / greatest,
+            quantile(&values, 0.995) / greatest,
         ];
         right.image(shown.view(), spans, scale)?;
         layout.walls(

@@ -1,9 +1,10 @@
-//! A pair of axes: maps data to pixels, draws frame, ticks, labels, curves, images with a colour bar, and legends.
+//! A pair of axes: maps data to pixels, draws frame, ticks, labels, curves, and images with a colour bar.
 
 use anyhow::Result;
 use ndarray::ArrayView2;
 use plotters::style::RGBColor;
 
+use super::axis::Axis;
 use super::canvas::{Canvas, Marker, Stroke};
 use super::colour;
 
@@ -13,94 +14,6 @@ pub const TICK: f64 = 28.0;
 pub const LABEL: f64 = 31.0;
 /// Size of titles in pixels.
 pub const TITLE: f64 = 37.0;
-
-/// An axis: its range, label and unit.
-#[derive(Debug, Clone)]
-pub struct Axis {
-    /// Value at the left or lower end.
-    pub low: f64,
-    /// Value at the right or upper end.
-    pub high: f64,
-    /// What it shows, with unit.
-    pub label: String,
-}
-
-impl Axis {
-    /// An axis over exactly this range.
-    pub fn new(low: f64, high: f64, label: &str) -> Self {
-        Self {
-            low,
-            high: if high > low { high } else { low + 1.0 },
-            label: label.to_string(),
-        }
-    }
-
-    /// An axis that holds all values with a margin of `margin` of their span.
-    pub fn around(values: impl IntoIterator<Item = f64>, margin: f64, label: &str) -> Self {
-        let (low, high) = values
-            .into_iter()
-            .filter(|value| value.is_finite())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                (low.min(value), high.max(value))
-            });
-        if low > high {
-            return Self::new(0.0, 1.0, label);
-        }
-        let span = (high - low).max(1e-9);
-        Self::new(low - margin * span, high + margin * span, label)
-    }
-
-    /// Ticks at round values: (value, text).
-    pub fn ticks(&self, about: usize) -> Vec<(f64, String)> {
-        let span = self.high - self.low;
-        let rough = span / about.max(1) as f64;
-        let power = 10_f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 2.5, 5.0, 10.0]
-            .iter()
-            .map(|factor| factor * power)
-            .find(|step| *step >= rough * 0.999)
-            .unwrap_or(power * 10.0);
-        let digits = (0..8)
-            .find(|digits| {
-                let scaled = step * 10_f64.powi(*digits);
-                (scaled - scaled.round()).abs() < 1e-6 * scaled
-            })
-            .unwrap_or(8) as usize;
-        let first = (self.low / step - 1e-9).ceil() as i64;
-        let last = (self.high / step + 1e-9).floor() as i64;
-        (first..=last)
-            .map(|k| {
-                let value = k as f64 * step;
-                (
-                    value,
-                    crate::table::cell(value, digits).replace('-', "\u{2212}"),
-                )
-            })
-            .collect()
-    }
-}
-
-/// An entry of a legend.
-#[derive(Debug, Clone)]
-pub struct Entry {
-    /// How the curve is drawn; no line when `None`.
-    pub stroke: Option<Stroke>,
-    /// Its marker and colour.
-    pub marker: Option<(Marker, RGBColor)>,
-    /// What it is.
-    pub text: String,
-}
-
-impl Entry {
-    /// An entry for a line.
-    pub fn line(stroke: Stroke, text: &str) -> Self {
-        Self {
-            stroke: Some(stroke),
-            marker: None,
-            text: text.to_string(),
-        }
-    }
-}
 
 /// Axes in a rectangle of a canvas.
 pub struct Axes<'a> {
@@ -371,67 +284,5 @@ impl<'a> Axes<'a> {
         }
         let beside = [right + 20.0 + widest, 0.5 * (top + bottom)];
         self.canvas.text(label, beside, (1, 0), LABEL, false, true)
-    }
-}
-
-/// Draws a legend in rows from `at` (upper left), at most `width` pixels wide; returns its height.
-///
-/// # Errors
-/// When the canvas refuses.
-pub fn legend(canvas: &Canvas, at: [f64; 2], width: f64, entries: &[Entry]) -> Result<f64> {
-    const SAMPLE: f64 = 78.0;
-    let row = LABEL + 13.0;
-    let (mut x, mut y) = (at[0], at[1]);
-    for entry in entries {
-        let extent = SAMPLE + 14.0 + canvas.text_size(&entry.text, LABEL, false)[0];
-        if x > at[0] && x + extent > at[0] + width {
-            (x, y) = (at[0], y + row);
-        }
-        let middle = y + 0.5 * row;
-        if let Some(stroke) = entry.stroke {
-            // A wide line's round ends stay within the sample.
-            let inset = 0.5 * stroke.width;
-            canvas.line(&[[x + inset, middle], [x + SAMPLE - inset, middle]], stroke)?;
-        }
-        if let Some((marker, colour)) = entry.marker {
-            canvas.marker([x + 0.5 * SAMPLE, middle], marker, 17.0, colour)?;
-        }
-        canvas.text(
-            &entry.text,
-            [x + SAMPLE + 14.0, middle],
-            (1, 0),
-            LABEL,
-            false,
-            false,
-        )?;
-        x += extent + 46.0;
-    }
-    Ok(y + row - at[1])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ticks_are_round_and_inside() {
-        let axis = Axis::new(-0.03, 0.31, "error [m]");
-        let texts: Vec<String> = axis.ticks(6).into_iter().map(|(_, text)| text).collect();
-        assert_eq!(texts, ["0.0", "0.1", "0.2", "0.3"]);
-        let texts: Vec<String> = Axis::new(-15.0, 20.0, "")
-            .ticks(7)
-            .into_iter()
-            .map(|(_, text)| text)
-            .collect();
-        assert_eq!(texts.first().map(String::as_str), Some("\u{2212}15"));
-        assert_eq!(texts.len(), 8);
-    }
-
-    #[test]
-    fn an_axis_around_nothing_is_still_an_axis() {
-        let axis = Axis::around([f64::NAN], 0.1, "");
-        assert!(axis.high > axis.low);
-        let axis = Axis::around([2.0, 2.0], 0.1, "");
-        assert!(axis.high > axis.low);
     }
 }

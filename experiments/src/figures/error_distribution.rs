@@ -4,8 +4,10 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, Axis, Entry, TITLE, legend};
+use super::axes::{Axes, TITLE};
+use super::axis::Axis;
 use super::canvas;
+use super::legend::{Entry, legend};
 use super::method_style;
 use crate::metrics::{cumulative_distribution, mean, quantile};
 use crate::table::Table;

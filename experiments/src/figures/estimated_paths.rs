@@ -4,9 +4,10 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Entry, LABEL, TITLE, legend};
+use super::axes::{LABEL, TITLE};
 use super::canvas::{self, Stroke};
 use super::layout::{Layout, drive_points, path};
+use super::legend::{Entry, legend};
 use super::{colour, method_style};
 use crate::metrics::mean;
 use crate::table::Table;

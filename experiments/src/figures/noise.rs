@@ -4,8 +4,10 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, Axis, Entry, TITLE, legend};
+use super::axes::{Axes, TITLE};
+use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
+use super::legend::{Entry, legend};
 use super::{colour, means_by, method_style};
 use crate::table::Table;
 

@@ -5,9 +5,11 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::axes::{Axes, Axis, Entry, TITLE, legend};
+use super::axes::{Axes, TITLE};
+use super::axis::Axis;
 use super::canvas::{self, Marker};
 use super::colour;
+use super::legend::{Entry, legend};
 use crate::metrics::quantile;
 use crate::table::Table;
 

@@ -5,10 +5,10 @@ use std::path::Path;
 use anyhow::Result;
 use fdtd::scene::Scene;
 
-use super::axes::{Entry, legend};
 use super::canvas::{self, Stroke};
 use super::colour;
 use super::layout::{Layout, LayoutWall, path};
+use super::legend::{Entry, legend};
 
 /// Spacing of the drawn points of a path, seconds.
 const STEP_S: f64 = 0.05;

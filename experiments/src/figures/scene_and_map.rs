@@ -5,10 +5,11 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::axes::{Entry, TITLE, legend};
+use super::axes::TITLE;
 use super::canvas::{self, Stroke};
 use super::colour;
 use super::layout::{Layout, drive_points, path};
+use super::legend::{Entry, legend};
 use crate::metrics::quantile;
 use crate::table::Table;
 

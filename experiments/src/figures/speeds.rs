@@ -4,9 +4,11 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, Axis, Entry, TITLE, legend};
+use super::axes::{Axes, TITLE};
+use super::axis::Axis;
 use super::canvas::{self, Stroke};
 use super::colour;
+use super::legend::{Entry, legend};
 use crate::table::Table;
 
 /// Draws the figure.

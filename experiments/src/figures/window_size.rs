@@ -4,8 +4,10 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, Axis, Entry, TITLE, legend};
+use super::axes::{Axes, TITLE};
+use super::axis::Axis;
 use super::canvas::{self, Marker};
+use super::legend::{Entry, legend};
 use super::{means_by, method_style};
 use crate::table::Table;
 

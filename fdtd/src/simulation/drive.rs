@@ -33,7 +33,7 @@ pub struct Drive {
 
 impl Drive {
     /// `source_m` and `receiver_m` give the places (metres, in the domain) and `strength_m2ps` the source strength at a time
-    /// in seconds from 0; before time 0 the source is silent. `coincident` says that both places are the same.
+    /// in seconds; up to and at time 0 the source is silent. `coincident` says that both places are the same.
     pub fn new(
         domain: &Domain,
         source_m: OfTime<[f64; 2]>,
@@ -63,7 +63,9 @@ impl Drive {
     /// `w q` at step `n`, scaled to pressure.
     fn contribution(&self, step: i64) -> Injection {
         let t = step as f64 * self.dt_s;
-        let strength = if step < 0 {
+        // Silent at time 0 too: the field starts at rest, and a contribution that entered it without its counterpart two
+        // steps earlier would leave a constant pressure behind.
+        let strength = if step <= 0 {
             0.0
         } else {
             (self.strength_m2ps)(t)

@@ -15,8 +15,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::super::StepForcing;
 use super::super::layer_row;
 use super::super::stencil::{Number, Splat, layer};
-use super::layout::{HALO, LANES};
+use super::layout::{HALO, NARROW, WIDE};
 use super::tiles::Tile;
+#[cfg(target_arch = "x86_64")]
+use super::vector::{Avx, Avx512};
+use super::vector::{Plain, Vector};
 use super::{Line, Plan};
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
@@ -27,126 +30,9 @@ const ROWS: usize = 8;
 /// Rows that the leapfrog sweep holds in registers together.
 const HELD: usize = 4;
 
-/// Vectors of the centre that the rows of a block take one after the other: all they touch then stays in the
+/// Cells of the centre that the rows of a block take one after the other: all they touch then stays in the
 /// first-level cache, and each vector comes from the second level once per block.
-const CHUNK: usize = 60;
-
-/// Eight numbers in registers.
-trait Vector: Number {
-    /// # Safety
-    /// `at` must point to eight readable numbers, and the instruction set be there.
-    unsafe fn load(at: *const f32) -> Self;
-    /// # Safety
-    /// `at` must point to eight writable numbers, and the instruction set be there.
-    unsafe fn store(self, at: *mut f32);
-}
-
-/// Eight numbers as the target's default instructions hold them.
-#[derive(Clone, Copy)]
-struct Plain([f32; LANES]);
-
-impl Vector for Plain {
-    #[inline(always)]
-    unsafe fn load(at: *const f32) -> Self {
-        // SAFETY: the caller's promise.
-        Self(unsafe { at.cast::<[f32; LANES]>().read_unaligned() })
-    }
-    #[inline(always)]
-    unsafe fn store(self, at: *mut f32) {
-        // SAFETY: the caller's promise.
-        unsafe { at.cast::<[f32; LANES]>().write_unaligned(self.0) }
-    }
-}
-
-impl Number for Plain {
-    #[inline(always)]
-    fn splat(value: f32) -> Self {
-        Self([value; LANES])
-    }
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i] + other.0[i]))
-    }
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i] - other.0[i]))
-    }
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i] * other.0[i]))
-    }
-    #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        Self(std::array::from_fn(|i| {
-            self.0[i].mul_add(factor.0[i], term.0[i])
-        }))
-    }
-    #[inline(always)]
-    fn mul_sub(self, factor: Self, term: Self) -> Self {
-        Self(std::array::from_fn(|i| {
-            self.0[i].mul_add(factor.0[i], -term.0[i])
-        }))
-    }
-}
-
-/// Eight numbers in an AVX register. Only made inside functions compiled for AVX2 and FMA.
-#[cfg(target_arch = "x86_64")]
-#[derive(Clone, Copy)]
-struct Avx(std::arch::x86_64::__m256);
-
-#[cfg(target_arch = "x86_64")]
-mod avx {
-    use std::arch::x86_64::*;
-
-    use super::{Avx, Number, Vector};
-
-    impl Vector for Avx {
-        #[inline(always)]
-        unsafe fn load(at: *const f32) -> Self {
-            // SAFETY: the caller's promise.
-            Self(unsafe { _mm256_loadu_ps(at) })
-        }
-        #[inline(always)]
-        unsafe fn store(self, at: *mut f32) {
-            // SAFETY: the caller's promise.
-            unsafe { _mm256_storeu_ps(at, self.0) }
-        }
-    }
-
-    // SAFETY of all below: an `Avx` is only made where AVX2 and FMA are enabled.
-    impl Number for Avx {
-        #[inline(always)]
-        fn splat(value: f32) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_set1_ps(value) })
-        }
-        #[inline(always)]
-        fn add(self, other: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_add_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn sub(self, other: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_sub_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn mul(self, other: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_mul_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn mul_add(self, factor: Self, term: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_fmadd_ps(self.0, factor.0, term.0) })
-        }
-        #[inline(always)]
-        fn mul_sub(self, factor: Self, term: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, term.0) })
-        }
-    }
-}
+const CHUNK: usize = 480;
 
 /// The buffers of a field as the tiles of one time block see them.
 #[derive(Clone, Copy)]
@@ -171,7 +57,7 @@ pub(super) type RowSums = [[AtomicU64; TAPS]];
 /// Instruction sets that the sweeps are compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InstructionSet {
-    /// AVX-512 (F and VL) with fused multiply-add.
+    /// AVX-512 (F and VL) with fused multiply-add, sixteen numbers at a time.
     Avx512,
     /// AVX2 with fused multiply-add.
     Avx2,
@@ -180,6 +66,14 @@ pub enum InstructionSet {
 }
 
 impl InstructionSet {
+    /// Numbers in one of its vectors.
+    pub(super) fn lanes(self) -> usize {
+        match self {
+            Self::Avx512 => WIDE,
+            Self::Avx2 | Self::Portable => NARROW,
+        }
+    }
+
     /// The best one of this machine.
     pub fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
@@ -253,7 +147,7 @@ pub(super) unsafe fn run_tile(
 }
 
 macro_rules! instantiate {
-    ($name:ident, $sweep:ty, $features:literal) => {
+    ($name:ident, $vector:ty, $sweep:ty, $features:literal) => {
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = $features)]
         unsafe fn $name(
@@ -264,14 +158,14 @@ macro_rules! instantiate {
             sums: &RowSums,
         ) {
             // SAFETY: the caller's promise.
-            unsafe { sweep_tile::<Avx, $sweep>(plan, shared, tile, steps, sums) }
+            unsafe { sweep_tile::<$vector, $sweep>(plan, shared, tile, steps, sums) }
         }
     };
 }
-instantiate!(avx512_slf, Slf, "avx512f,avx512vl,avx2,fma");
-instantiate!(avx512_m13, M13, "avx512f,avx512vl,avx2,fma");
-instantiate!(avx2_slf, Slf, "avx2,fma");
-instantiate!(avx2_m13, M13, "avx2,fma");
+instantiate!(avx512_slf, Avx512, Slf, "avx512f,avx512vl,avx2,fma");
+instantiate!(avx512_m13, Avx512, M13, "avx512f,avx512vl,avx2,fma");
+instantiate!(avx2_slf, Avx, Slf, "avx2,fma");
+instantiate!(avx2_m13, Avx, M13, "avx2,fma");
 
 /// Runs `work` compiled for AVX2 with fused multiply-add.
 ///
@@ -327,20 +221,21 @@ impl<V: Vector> Sweep<V> for Slf {
         // SAFETY: the caller's promise covers every offset used here.
         unsafe {
             let mut done = 0;
-            while ahead == LANES && done + HELD <= rows {
+            while ahead == V::LANES && done + HELD <= rows {
                 let (now, next) = (now.add(done * stride), next.add(done * stride));
                 let row = |i: usize| now.add(i * stride);
                 let mut here: [V; HELD] = std::array::from_fn(|i| V::load(row(i)));
                 for j in 0..vectors {
-                    let at = j * LANES;
-                    let east: [V; HELD] = std::array::from_fn(|i| V::load(row(i).add(at + LANES)));
+                    let at = j * V::LANES;
+                    let east: [V; HELD] =
+                        std::array::from_fn(|i| V::load(row(i).add(at + V::LANES)));
                     let south = V::load(now.add(at).sub(stride));
                     let north = V::load(row(HELD).add(at));
                     for i in 0..HELD {
                         let below = if i == 0 { south } else { here[i - 1] };
                         let above = if i + 1 == HELD { north } else { here[i + 1] };
                         let target = next.add(i * stride + at);
-                        let west = V::load(row(i).add(at).sub(LANES));
+                        let west = V::load(row(i).add(at).sub(V::LANES));
                         w.slf(here[i], [west, east[i]], [below, above], V::load(target))
                             .store(target);
                     }
@@ -351,10 +246,10 @@ impl<V: Vector> Sweep<V> for Slf {
             for i in done..rows {
                 let (row, target) = (now.add(i * stride), next.add(i * stride));
                 for j in 0..vectors {
-                    let at = row.add(j * LANES);
+                    let at = row.add(j * V::LANES);
                     let sides = [V::load(at.sub(ahead)), V::load(at.add(ahead))];
                     let ends = [V::load(at.sub(stride)), V::load(at.add(stride))];
-                    let target = target.add(j * LANES);
+                    let target = target.add(j * V::LANES);
                     w.slf(V::load(at), sides, ends, V::load(target))
                         .store(target);
                 }
@@ -376,25 +271,31 @@ impl<V: Vector> Sweep<V> for M13 {
     ) {
         // SAFETY: the caller's promise covers every offset used here.
         unsafe {
-            for i in 0..rows {
+            let mut done = 0;
+            while V::MANY && ahead == V::LANES && done + 2 <= rows {
+                let at = done * stride;
+                m13_pair(w, now.add(at), next.add(at), stride, vectors);
+                done += 2;
+            }
+            for i in done..rows {
                 let (row, target) = (now.add(i * stride), next.add(i * stride));
                 let vertical =
                     |at: *const f32| V::load(at.sub(stride)).add(V::load(at.add(stride)));
-                if ahead == LANES {
+                if ahead == V::LANES {
                     let mut here: [V; 4] =
-                        std::array::from_fn(|k| V::load(row.sub(2 * LANES).add(k * LANES)));
+                        std::array::from_fn(|k| V::load(row.sub(2 * V::LANES).add(k * V::LANES)));
                     let mut upright = vertical(row);
                     let mut columns = [
-                        w.m13_column(here[1], vertical(row.sub(LANES))),
+                        w.m13_column(here[1], vertical(row.sub(V::LANES))),
                         w.m13_column(here[2], upright),
                     ];
                     for j in 0..vectors {
-                        let at = row.add(j * LANES);
-                        let beyond = V::load(at.add(2 * LANES));
-                        let next_upright = vertical(at.add(LANES));
+                        let at = row.add(j * V::LANES);
+                        let beyond = V::load(at.add(2 * V::LANES));
+                        let next_upright = vertical(at.add(V::LANES));
                         let column = w.m13_column(here[3], next_upright);
                         let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
-                        let target = target.add(j * LANES);
+                        let target = target.add(j * V::LANES);
                         w.m13(
                             here[2],
                             upright,
@@ -410,12 +311,12 @@ impl<V: Vector> Sweep<V> for M13 {
                     }
                 } else {
                     for j in 0..vectors {
-                        let at = row.add(j * LANES);
+                        let at = row.add(j * V::LANES);
                         let column = |at: *const f32| w.m13_column(V::load(at), vertical(at));
                         let columns = [column(at.sub(ahead)), column(at.add(ahead))];
                         let sides = [V::load(at.sub(2 * ahead)), V::load(at.add(2 * ahead))];
                         let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
-                        let target = target.add(j * LANES);
+                        let target = target.add(j * V::LANES);
                         w.m13(
                             V::load(at),
                             vertical(at),
@@ -428,6 +329,78 @@ impl<V: Vector> Sweep<V> for M13 {
                     }
                 }
             }
+        }
+    }
+}
+
+/// The 13-point sweep over two rows of the centre: each row's cells are the other's neighbours, so that a pair of
+/// vectors takes eight loads instead of twelve.
+///
+/// # Safety
+/// As [`Sweep::rows`] for two rows.
+#[inline(always)]
+unsafe fn m13_pair<V: Vector>(
+    w: &Splat<V>,
+    now: *const f32,
+    next: *mut f32,
+    stride: usize,
+    vectors: usize,
+) {
+    // SAFETY: the caller's promise covers every offset used here.
+    unsafe {
+        let back = now.sub(2 * V::LANES);
+        let (south, north) = (now.sub(stride), now.add(2 * stride));
+        let (far_south, far_north) = (south.sub(stride), north.add(stride));
+        let mut lower: [V; 4] = std::array::from_fn(|k| V::load(back.add(k * V::LANES)));
+        let mut upper: [V; 4] =
+            std::array::from_fn(|k| V::load(back.add(stride).add(k * V::LANES)));
+        let west = [south, north].map(|row| V::load(row.sub(V::LANES)));
+        let mut beside = [south, north].map(|row| V::load(row));
+        let mut upright = [beside[0].add(upper[2]), lower[2].add(beside[1])];
+        let mut columns = [
+            [
+                w.m13_column(lower[1], west[0].add(upper[1])),
+                w.m13_column(lower[2], upright[0]),
+            ],
+            [
+                w.m13_column(upper[1], lower[1].add(west[1])),
+                w.m13_column(upper[2], upright[1]),
+            ],
+        ];
+        for j in 0..vectors {
+            let at = j * V::LANES;
+            let beyond = [now, now.add(stride)].map(|row| V::load(row.add(at + 2 * V::LANES)));
+            let east = [south, north].map(|row| V::load(row.add(at + V::LANES)));
+            let rising = [east[0].add(upper[3]), lower[3].add(east[1])];
+            let column = [
+                w.m13_column(lower[3], rising[0]),
+                w.m13_column(upper[3], rising[1]),
+            ];
+            let target = next.add(at);
+            w.m13(
+                lower[2],
+                upright[0],
+                [columns[0][0], column[0]],
+                [lower[0], beyond[0]],
+                [V::load(far_south.add(at)), beside[1]],
+                V::load(target),
+            )
+            .store(target);
+            let target = target.add(stride);
+            w.m13(
+                upper[2],
+                upright[1],
+                [columns[1][0], column[1]],
+                [upper[0], beyond[1]],
+                [beside[0], V::load(far_north.add(at))],
+                V::load(target),
+            )
+            .store(target);
+            lower = [lower[1], lower[2], lower[3], beyond[0]];
+            upper = [upper[1], upper[2], upper[3], beyond[1]];
+            columns = [[columns[0][1], column[0]], [columns[1][1], column[1]]];
+            upright = rising;
+            beside = east;
         }
     }
 }
@@ -502,13 +475,13 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
         let next_base = shared.levels[(step + 1) % 2];
         let at = (rows.start + HALO) * stride;
         let parts = [
-            (layout.low_at, 1, layout.low.div_ceil(LANES)),
-            (layout.centre_at, LANES, layout.centre),
-            (layout.high_at, 1, layout.high.div_ceil(LANES)),
+            (layout.low_at, 1, layout.low.div_ceil(V::LANES)),
+            (layout.centre_at, V::LANES, layout.centre),
+            (layout.high_at, 1, layout.high.div_ceil(V::LANES)),
         ];
         for (part, ahead, vectors) in parts {
-            for first in (0..vectors).step_by(CHUNK) {
-                let from = at + part + first * LANES;
+            for first in (0..vectors).step_by(CHUNK / V::LANES) {
+                let from = at + part + first * V::LANES;
                 let (now, next) = (now_base.add(from), next_base.add(from));
                 S::rows(
                     weights,
@@ -516,7 +489,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
                     next,
                     stride,
                     ahead,
-                    CHUNK.min(vectors - first),
+                    (CHUNK / V::LANES).min(vectors - first),
                     rows.len(),
                 );
             }
@@ -530,7 +503,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
             {
                 let memory = shared.layer_y.add(layer * 3 * stride);
                 let decay = decay.map(V::splat);
-                for x in (LANES..stride - LANES).step_by(LANES) {
+                for x in (V::LANES..stride - V::LANES).step_by(V::LANES) {
                     let p = now.add(x);
                     let here = V::load(p);
                     let slopes = [
@@ -547,22 +520,25 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
                     layout.offset(layout.nx - width)
                 };
                 let memory = shared.layer_x.add((iy * 2 + side) * 3 * width);
-                for i in (0..width).step_by(LANES) {
+                for i in (0..width).step_by(NARROW) {
                     let p = now.add(first + i);
-                    let here = V::load(p);
-                    let slopes = [here.sub(V::load(p.sub(1))), V::load(p.add(1)).sub(here)];
+                    let here = V::Narrow::load(p);
+                    let slopes = [
+                        here.sub(V::Narrow::load(p.sub(1))),
+                        V::Narrow::load(p.add(1)).sub(here),
+                    ];
                     let face = profile.face.as_ptr().add(i);
                     let decay = [
-                        V::load(face),
-                        V::load(face.add(1)),
-                        V::load(profile.cell.as_ptr().add(i)),
+                        V::Narrow::load(face),
+                        V::Narrow::load(face.add(1)),
+                        V::Narrow::load(profile.cell.as_ptr().add(i)),
                     ];
-                    layer_vector(
+                    layer_vector::<V::Narrow>(
                         slopes,
                         decay,
                         memory.add(i),
                         width,
-                        courant2,
+                        V::Narrow::splat(plan.setup.courant2),
                         next.add(first + i),
                     );
                 }
@@ -603,10 +579,10 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
     }
 }
 
-/// The layer's recursion at eight cells whose memory lies at `memory`, three parts `part` apart.
+/// The layer's recursion at a vector of cells whose memory lies at `memory`, three parts `part` apart.
 ///
 /// # Safety
-/// Eight numbers at `next` and at each part of the memory must be this thread's.
+/// A vector's numbers at `next` and at each part of the memory must be this thread's.
 #[inline(always)]
 unsafe fn layer_vector<V: Vector>(
     slopes: [V; 2],

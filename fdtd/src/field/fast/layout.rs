@@ -1,12 +1,14 @@
 //! Where the cells of a row lie in memory.
 //!
 //! A row is cut in three: a strip at low x and one at high x in plain order, which hold the absorbing layers, and
-//! between them the *centre* in lane-transposed order: cut into eight equal lanes, vector `j` holds the `j`-th cell of
-//! every lane. There the neighbour along x is the neighbouring vector, so that every load is aligned and vectors pass
+//! between them the *centre* in lane-transposed order: cut into as many equal lanes as a vector has numbers, vector `j`
+//! holds the `j`-th cell of every lane. There the neighbour along x is the neighbouring vector, so that every load is aligned and vectors pass
 //! from column to column in registers. Each part has a halo of two cells (vectors) that repeats its neighbours.
 
-/// Cells per vector.
-pub(super) const LANES: usize = 8;
+/// Lanes of vectors of 256 bits, the narrowest in use.
+pub(super) const NARROW: usize = 8;
+/// Lanes of vectors of 512 bits.
+pub(super) const WIDE: usize = 16;
 /// Vectors of halo on each side of the centre, and rows of rim below and above the grid.
 pub(super) const HALO: usize = 2;
 /// Narrowest strip that is worth a part of its own.
@@ -16,6 +18,8 @@ const STRIP: usize = 24;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct RowLayout {
     pub(super) nx: usize,
+    /// Cells per vector: [`NARROW`] or [`WIDE`].
+    pub(super) lanes: usize,
     /// Cells of the low strip.
     pub(super) low: usize,
     /// Vectors of the centre; zero in narrow grids, where the low strip is the whole row.
@@ -30,25 +34,26 @@ pub(super) struct RowLayout {
 }
 
 impl RowLayout {
-    /// Layout of rows of `nx` cells with absorbing layers `layer` cells wide.
-    pub(super) fn new(nx: usize, layer: usize) -> Self {
-        let strip = layer.max(STRIP).next_multiple_of(LANES);
-        let centre = nx.saturating_sub(2 * strip) / LANES;
+    /// Layout of rows of `nx` cells with absorbing layers `layer` cells wide, in vectors of `lanes` cells.
+    pub(super) fn new(nx: usize, layer: usize, lanes: usize) -> Self {
+        let strip = layer.max(STRIP).next_multiple_of(lanes);
+        let centre = nx.saturating_sub(2 * strip) / lanes;
         let (low, centre, high) = if centre < 2 * HALO {
             (nx, 0, 0)
         } else {
-            (strip, centre, nx - strip - LANES * centre)
+            (strip, centre, nx - strip - lanes * centre)
         };
-        let low_at = LANES;
-        let centre_at = low_at + low.next_multiple_of(LANES) + (1 + HALO) * LANES;
-        let high_at = centre_at + (centre + HALO + 1) * LANES;
-        let end = high_at + high.next_multiple_of(LANES) + LANES;
-        let mut stride = end.next_multiple_of(2 * LANES) + LANES;
-        if stride % 1024 < 2 * LANES {
-            stride += 2 * LANES;
+        let low_at = lanes;
+        let centre_at = low_at + low.next_multiple_of(lanes) + (1 + HALO) * lanes;
+        let high_at = centre_at + (centre + HALO + 1) * lanes;
+        let end = high_at + high.next_multiple_of(lanes) + lanes;
+        let mut stride = end.next_multiple_of(2 * lanes) + lanes;
+        if stride % 1024 < 2 * lanes {
+            stride += 2 * lanes;
         }
         Self {
             nx,
+            lanes,
             low,
             centre,
             high,
@@ -63,17 +68,25 @@ impl RowLayout {
     pub(super) fn offset(&self, ix: usize) -> usize {
         if ix < self.low {
             self.low_at + ix
-        } else if ix < self.low + LANES * self.centre {
+        } else if ix < self.low + self.lanes * self.centre {
             let cell = ix - self.low;
-            self.centre_at + (cell % self.centre) * LANES + cell / self.centre
+            self.centre_at + (cell % self.centre) * self.lanes + cell / self.centre
         } else {
-            self.high_at + ix - self.low - LANES * self.centre
+            self.high_at + ix - self.low - self.lanes * self.centre
         }
     }
 
     /// Rebuilds the halos of a row of `stride` cells, and clears the padding beyond its end.
     #[inline(always)]
     pub(super) fn refresh_halos(&self, row: &mut [f32]) {
+        match self.lanes {
+            WIDE => self.refresh::<WIDE>(row),
+            _ => self.refresh::<NARROW>(row),
+        }
+    }
+
+    #[inline(always)]
+    fn refresh<const LANES: usize>(&self, row: &mut [f32]) {
         let row = &mut row[..self.stride];
         if self.centre == 0 {
             row[self.low_at + self.low..self.low_at + self.low.next_multiple_of(LANES)].fill(0.0);
@@ -94,10 +107,12 @@ impl RowLayout {
                 row[self.high_at + h],
             );
             let before = self.centre_at - HALO * LANES + h * LANES;
-            let (head, tail) = (lanes(row, first + h * LANES), lanes(row, last + h * LANES));
+            // Whole vectors, read one cell off: cell by cell would wait for stores that loads cannot be forwarded from.
+            let tail = last + h * LANES - 1;
+            row.copy_within(tail..tail + LANES, before);
             row[before] = from_low;
-            row[before + 1..before + LANES].copy_from_slice(&tail[..LANES - 1]);
-            row[after + h * LANES..after + h * LANES + LANES - 1].copy_from_slice(&head[1..]);
+            let head = first + h * LANES + 1;
+            row.copy_within(head..head + LANES, after + h * LANES);
             row[after + h * LANES + LANES - 1] = from_high;
         }
         row[self.high_at + self.high..self.high_at + self.high.next_multiple_of(LANES)].fill(0.0);
@@ -119,19 +134,17 @@ impl RowLayout {
     }
 }
 
-#[inline(always)]
-fn lanes(row: &[f32], at: usize) -> [f32; LANES] {
-    std::array::from_fn(|lane| row[at + lane])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn packing_is_a_permutation_and_halos_repeat_the_neighbours() {
-        for nx in [30, 64, 87, 88, 97, 151, 1000] {
-            let layout = RowLayout::new(nx, 20);
+        for (nx, lanes) in [30, 64, 87, 88, 97, 151, 1000]
+            .into_iter()
+            .flat_map(|nx| [(nx, NARROW), (nx, WIDE)])
+        {
+            let layout = RowLayout::new(nx, 20, lanes);
             let plain: Vec<f32> = (1..=nx).map(|i| i as f32).collect();
             let mut row = vec![0.0; layout.stride];
             layout.pack(&plain, &mut row);
@@ -148,8 +161,8 @@ mod tests {
             for ix in 0..nx as isize {
                 let offset = layout.offset(ix as usize);
                 let in_centre =
-                    (layout.low..layout.low + LANES * layout.centre).contains(&(ix as usize));
-                let step = if in_centre { LANES } else { 1 };
+                    (layout.low..layout.low + lanes * layout.centre).contains(&(ix as usize));
+                let step = if in_centre { lanes } else { 1 };
                 for d in 1..=HALO {
                     assert_eq!(
                         row[offset + d * step],

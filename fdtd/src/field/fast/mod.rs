@@ -1,12 +1,14 @@
-//! The fast engine: several steps per pass through memory, vectors of eight cells, one strip of rows per thread.
+//! The fast engine: several steps per pass through memory, vectors of eight or sixteen cells, one strip of rows per thread.
 //!
 //! * `layout`: lane-transposed rows, so that loads are aligned and shared between columns.
 //! * `tiles`: time blocks of strips and triangles, so that threads meet twice per block.
+//! * `vector`: eight or sixteen numbers of an instruction set;
 //! * `kernel`: the sweeps, a wavefront of four-row blocks that keeps the rows of all steps of a block in cache.
 
 mod kernel;
 mod layout;
 mod tiles;
+mod vector;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -18,7 +20,7 @@ pub use kernel::InstructionSet;
 pub(in crate::field) use kernel::with_avx2;
 
 use self::kernel::Shared;
-use self::layout::{HALO, LANES, RowLayout};
+use self::layout::{HALO, RowLayout};
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows};
 use crate::pml::Profile;
 use crate::spread::TAPS;
@@ -55,10 +57,13 @@ struct Plan {
     instructions: InstructionSet,
 }
 
+/// Numbers in a cache line.
+const LINE: usize = 16;
+
 /// A cache line; gives the buffers their alignment.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
-struct Line([f32; 2 * LANES]);
+struct Line([f32; LINE]);
 
 /// One time level. The two levels start at different places of a page: were the same cells of both at the same place,
 /// loads of one would wait for stores to the other (the processor compares the low 12 bits first).
@@ -70,9 +75,9 @@ struct Level {
 
 impl Level {
     fn silent(numbers: usize, skip: usize) -> Self {
-        let lines = skip + numbers.div_ceil(2 * LANES);
+        let lines = skip + numbers.div_ceil(LINE);
         Self {
-            lines: vec![Line([0.0; 2 * LANES]); lines],
+            lines: vec![Line([0.0; LINE]); lines],
             skip,
         }
     }
@@ -131,7 +136,7 @@ impl FastField {
                 .build()
                 .expect("the operating system gives threads")
         });
-        let layout = RowLayout::new(setup.nx, setup.layer.width());
+        let layout = RowLayout::new(setup.nx, setup.layer.width(), instructions.lanes());
         let numbers = (setup.ny + 2 * HALO) * layout.stride;
         let cells = setup.layer.cells();
         let plan = Plan::new(setup, layout, instructions);

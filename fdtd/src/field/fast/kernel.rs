@@ -24,15 +24,8 @@ use super::{Line, Plan};
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
 
-/// Rows that a step of the wavefront takes together.
-const ROWS: usize = 8;
-
 /// Rows that the leapfrog sweep holds in registers together.
 const HELD: usize = 4;
-
-/// Cells of the centre that the rows of a block take one after the other: all they touch then stays in the
-/// first-level cache, and each vector comes from the second level once per block.
-const CHUNK: usize = 480;
 
 /// The buffers of a field as the tiles of one time block see them.
 #[derive(Clone, Copy)]
@@ -185,8 +178,14 @@ pub(in crate::field) fn with_avx2<R>(work: impl FnOnce() -> R) -> R {
     unsafe { inside(work) }
 }
 
-/// A scheme's sweep over `ROWS` rows of one part of the rows.
+/// A scheme's sweep over some rows of one part of the rows.
 trait Sweep<V: Vector> {
+    /// Rows that a step of the wavefront takes together.
+    const ROWS: usize;
+    /// Cells of the centre that these rows take one after the other: all they touch then stays in the first-level cache,
+    /// and each vector comes from the second level once per block.
+    const CHUNK: usize;
+
     /// `now` and `next` point to the first cell of the first row's part, `vectors` long; `ahead` is the distance of the
     /// next cell along x in memory.
     ///
@@ -208,6 +207,9 @@ struct Slf;
 struct M13;
 
 impl<V: Vector> Sweep<V> for Slf {
+    const ROWS: usize = 8;
+    const CHUNK: usize = 480;
+
     #[inline(always)]
     unsafe fn rows(
         w: &Splat<V>,
@@ -259,6 +261,9 @@ impl<V: Vector> Sweep<V> for Slf {
 }
 
 impl<V: Vector> Sweep<V> for M13 {
+    const ROWS: usize = 16;
+    const CHUNK: usize = 240;
+
     #[inline(always)]
     unsafe fn rows(
         w: &Splat<V>,
@@ -427,7 +432,7 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V>>(
             let from = base - (radius * step) as isize;
             let (first, last) = (
                 from.max(low as isize),
-                (from + ROWS as isize).min(high as isize),
+                (from + S::ROWS as isize).min(high as isize),
             );
             if first < last {
                 // SAFETY: the caller's promise; rows first..last belong to this tile at this step.
@@ -445,7 +450,7 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V>>(
                 }
             }
         }
-        base += ROWS as isize;
+        base += S::ROWS as isize;
     }
 }
 
@@ -480,7 +485,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
             (layout.high_at, 1, layout.high.div_ceil(V::LANES)),
         ];
         for (part, ahead, vectors) in parts {
-            for first in (0..vectors).step_by(CHUNK / V::LANES) {
+            for first in (0..vectors).step_by(S::CHUNK / V::LANES) {
                 let from = at + part + first * V::LANES;
                 let (now, next) = (now_base.add(from), next_base.add(from));
                 S::rows(
@@ -489,7 +494,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
                     next,
                     stride,
                     ahead,
-                    (CHUNK / V::LANES).min(vectors - first),
+                    (S::CHUNK / V::LANES).min(vectors - first),
                     rows.len(),
                 );
             }

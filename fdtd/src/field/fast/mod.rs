@@ -3,7 +3,7 @@
 //! * `layout`: lane-transposed rows, so that loads are aligned and shared between columns.
 //! * `tiles`: time blocks of strips and triangles, so that threads meet twice per block.
 //! * `vector`: eight or sixteen numbers of an instruction set;
-//! * `kernel`: the sweeps, a wavefront of four-row blocks that keeps the rows of all steps of a block in cache.
+//! * `kernel`: the sweeps, a wavefront of short blocks of rows that keeps the rows of all steps of a block in cache.
 
 mod kernel;
 mod layout;

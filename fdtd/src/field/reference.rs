@@ -77,28 +77,44 @@ impl ReferenceField {
                 ),
             }
             let courant2 = self.setup.courant2;
+            let weights = Splat::new(&self.setup.weights);
+            let wide = self.setup.scheme.radius() > 1;
             if let (Some(decay), Some(at)) =
                 (self.setup.layer.row(ny, iy), layer_row(cells, ny, iy))
             {
                 let memory = &mut self.layer_y[at * 3 * nx..(at + 1) * 3 * nx];
-                let (below, here, above) = (row(-1), row(0), row(1));
+                let rows: [&[f32]; 5] = std::array::from_fn(|k| row(k as isize - 2));
                 for ix in 0..nx {
                     let x = ix + RIM;
-                    let slopes = [here[x] - below[x], above[x] - here[x]];
+                    let layered = |k: usize| match wide {
+                        true => weights.m13_layer(
+                            rows[k][x],
+                            [rows[k - 1][x], rows[k + 1][x]],
+                            [rows[k][x - 1], rows[k][x + 1]],
+                        ),
+                        false => rows[k][x],
+                    };
+                    let here = layered(2);
+                    let slopes = [here - layered(1), layered(3) - here];
                     let old = std::array::from_fn(|k| memory[k * nx + ix]);
                     let (new, change) = layer(slopes, decay, old);
                     (0..3).for_each(|k| memory[k * nx + ix] = new[k]);
                     next[ix] = courant2.mul_add(change, next[ix]);
                 }
             }
-            let p = row(0);
+            let (south, p, north) = (row(-1), row(0), row(1));
+            let layered = |x: usize| match wide {
+                true => weights.m13_layer(p[x], [p[x - 1], p[x + 1]], [south[x], north[x]]),
+                false => p[x],
+            };
             let sides = [(&self.setup.layer, 0), (&self.high, nx - width)];
             let memory = self.layer_x[iy * 6 * width..(iy + 1) * 6 * width]
                 .chunks_exact_mut(3 * width.max(1));
             for ((profile, first), memory) in sides.into_iter().zip(memory) {
                 for i in 0..width {
                     let x = first + i + RIM;
-                    let slopes = [p[x] - p[x - 1], p[x + 1] - p[x]];
+                    let here = layered(x);
+                    let slopes = [here - layered(x - 1), layered(x + 1) - here];
                     let old = std::array::from_fn(|k| memory[k * width + i]);
                     let decay = [profile.face[i], profile.face[i + 1], profile.cell[i]];
                     let (new, change) = layer(slopes, decay, old);

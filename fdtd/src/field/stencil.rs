@@ -49,12 +49,16 @@ pub(super) struct Splat<N> {
     pub(super) edge: N,
     pub(super) corner: N,
     pub(super) far: N,
+    /// What [`Splat::m13_layer`] gives a cell, its neighbours along the absorbed axis, and those across it.
+    layer: [N; 3],
 }
 
 impl<N: Number> Splat<N> {
     #[inline(always)]
     pub(super) fn new(weights: &Weights) -> Self {
+        let [own, along, across] = weights.layer();
         Self {
+            layer: [N::splat(own), N::splat(along), N::splat(across)],
             centre: N::splat(weights.centre),
             edge: N::splat(weights.edge),
             corner: N::splat(weights.corner),
@@ -93,12 +97,22 @@ impl<N: Number> Splat<N> {
         self.centre
             .mul_add(here, sum.add(columns[0].add(columns[1])))
     }
+
+    /// What the absorbing layer takes the second difference of (see [`crate::pml`]), from a cell, its neighbours along the
+    /// absorbed axis and those across it.
+    #[inline(always)]
+    pub(super) fn m13_layer(&self, here: N, along: [N; 2], across: [N; 2]) -> N {
+        let [own, beside, aside] = self.layer;
+        let sum = aside.mul_add(across[0].add(across[1]), own.mul(here));
+        beside.mul_add(along[0].add(along[1]), sum)
+    }
 }
 
 /// Memory of the absorbing layer at one cell: lower face, upper face, cell.
 pub(super) type LayerMemory<N> = [N; 3];
 
-/// One step of the layer's recursions at one cell from the differences of pressure over its lower and upper face and the
+/// One step of the layer's recursions at one cell from the differences of pressure (of [`Splat::m13_layer`]
+/// with the 13-point scheme) over its lower and upper face and the
 /// decays of lower face, upper face and cell; returns the memory after it and what to add to the plain step, in units
 /// of the Courant number squared (see [`crate::pml`]).
 #[inline(always)]

@@ -46,6 +46,17 @@ pub struct Weights {
     pub far: f32,
 }
 
+impl Weights {
+    /// What the absorbing layer takes the second difference of: weights of the cell, of its two neighbours along the
+    /// absorbed axis and of the two across it. Writing the scheme as `A(a + b A + m B/2) + B(a + b B + m A/2)`, they are the
+    /// brackets over `a`.
+    pub fn layer(&self) -> [f32; 3] {
+        let [linear, square, mixed] = [self.linear, self.square, self.mixed].map(f64::from);
+        let (along, across) = (square / linear, mixed / (2.0 * linear));
+        [1.0 - 2.0 * (along + across), along, across].map(|weight| weight as f32)
+    }
+}
+
 /// What is taken from the centre weight against drift: a stiffness that turns the constant mode into an oscillation of
 /// about 7 Hz at the papers' step. Without it the rounding errors of an `f32` leapfrog are summed twice and the mean
 /// pressure between rigid walls wanders off over millions of steps; with it they stay bounded. At 2 kHz it changes the

@@ -201,12 +201,25 @@ trait Sweep<V: Vector> {
         vectors: usize,
         rows: usize,
     );
+
+    /// What the absorbing layer takes the second difference of at the cells from `at` on, with neighbours `along` the
+    /// absorbed axis and `across` it that far away in memory.
+    ///
+    /// # Safety
+    /// The cells and these neighbours must be readable.
+    unsafe fn layered(weights: &Splat<V>, at: *const f32, along: usize, across: usize) -> V;
 }
 
 struct Slf;
 struct M13;
 
 impl<V: Vector> Sweep<V> for Slf {
+    #[inline(always)]
+    unsafe fn layered(_: &Splat<V>, at: *const f32, _: usize, _: usize) -> V {
+        // SAFETY: the caller's promise.
+        unsafe { V::load(at) }
+    }
+
     const ROWS: usize = 8;
     const CHUNK: usize = 480;
 
@@ -261,6 +274,18 @@ impl<V: Vector> Sweep<V> for Slf {
 }
 
 impl<V: Vector> Sweep<V> for M13 {
+    #[inline(always)]
+    unsafe fn layered(w: &Splat<V>, at: *const f32, along: usize, across: usize) -> V {
+        // SAFETY: the caller's promise.
+        unsafe {
+            w.m13_layer(
+                V::load(at),
+                [V::load(at.sub(along)), V::load(at.add(along))],
+                [V::load(at.sub(across)), V::load(at.add(across))],
+            )
+        }
+    }
+
     const ROWS: usize = 16;
     const CHUNK: usize = 240;
 
@@ -415,7 +440,7 @@ unsafe fn m13_pair<V: Vector>(
 /// # Safety
 /// As [`run_tile`].
 #[inline(always)]
-unsafe fn sweep_tile<V: Vector, S: Sweep<V>>(
+unsafe fn sweep_tile<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     plan: &Plan,
     shared: Shared,
     tile: &Tile,
@@ -432,7 +457,7 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V>>(
             let from = base - (radius * step) as isize;
             let (first, last) = (
                 from.max(low as isize),
-                (from + S::ROWS as isize).min(high as isize),
+                (from + <S as Sweep<V>>::ROWS as isize).min(high as isize),
             );
             if first < last {
                 // SAFETY: the caller's promise; rows first..last belong to this tile at this step.
@@ -450,7 +475,7 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V>>(
                 }
             }
         }
-        base += S::ROWS as isize;
+        base += <S as Sweep<V>>::ROWS as isize;
     }
 }
 
@@ -459,7 +484,7 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V>>(
 /// # Safety
 /// As [`run_tile`], for these rows.
 #[inline(always)]
-unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
+unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     plan: &Plan,
     shared: Shared,
     weights: &Splat<V>,
@@ -473,6 +498,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
     let cells = plan.setup.layer.cells();
     let width = plan.setup.layer.width();
     let courant2 = V::splat(plan.setup.courant2);
+    let narrow = Splat::<V::Narrow>::new(&plan.setup.weights);
     // SAFETY: rows lie in the grid, and the buffers have HALO rows more on both sides; within a row every offset comes
     // from the layout. The caller promises that nobody else touches what is written here.
     unsafe {
@@ -485,16 +511,16 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
             (layout.high_at, 1, layout.high.div_ceil(V::LANES)),
         ];
         for (part, ahead, vectors) in parts {
-            for first in (0..vectors).step_by(S::CHUNK / V::LANES) {
+            for first in (0..vectors).step_by(<S as Sweep<V>>::CHUNK / V::LANES) {
                 let from = at + part + first * V::LANES;
                 let (now, next) = (now_base.add(from), next_base.add(from));
-                S::rows(
+                <S as Sweep<V>>::rows(
                     weights,
                     now,
                     next,
                     stride,
                     ahead,
-                    (S::CHUNK / V::LANES).min(vectors - first),
+                    (<S as Sweep<V>>::CHUNK / V::LANES).min(vectors - first),
                     rows.len(),
                 );
             }
@@ -508,14 +534,18 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
             {
                 let memory = shared.layer_y.add(layer * 3 * stride);
                 let decay = decay.map(V::splat);
-                for x in (V::LANES..stride - V::LANES).step_by(V::LANES) {
-                    let p = now.add(x);
-                    let here = V::load(p);
-                    let slopes = [
-                        here.sub(V::load(p.sub(stride))),
-                        V::load(p.add(stride)).sub(here),
-                    ];
-                    layer_vector(slopes, decay, memory.add(x), stride, courant2, next.add(x));
+                for (part, ahead, vectors) in parts {
+                    for x in (part..part + vectors * V::LANES).step_by(V::LANES) {
+                        let layered =
+                            |p: *const f32| <S as Sweep<V>>::layered(weights, p, stride, ahead);
+                        let p = now.add(x);
+                        let here = layered(p);
+                        let slopes = [
+                            here.sub(layered(p.sub(stride))),
+                            layered(p.add(stride)).sub(here),
+                        ];
+                        layer_vector(slopes, decay, memory.add(x), stride, courant2, next.add(x));
+                    }
                 }
             }
             for (side, profile) in [&plan.setup.layer, &plan.high].into_iter().enumerate() {
@@ -527,11 +557,10 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V>>(
                 let memory = shared.layer_x.add((iy * 2 + side) * 3 * width);
                 for i in (0..width).step_by(NARROW) {
                     let p = now.add(first + i);
-                    let here = V::Narrow::load(p);
-                    let slopes = [
-                        here.sub(V::Narrow::load(p.sub(1))),
-                        V::Narrow::load(p.add(1)).sub(here),
-                    ];
+                    let layered =
+                        |p: *const f32| <S as Sweep<V::Narrow>>::layered(&narrow, p, 1, stride);
+                    let here = layered(p);
+                    let slopes = [here.sub(layered(p.sub(1))), layered(p.add(1)).sub(here)];
                     let face = profile.face.as_ptr().add(i);
                     let decay = [
                         V::Narrow::load(face),

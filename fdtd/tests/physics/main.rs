@@ -14,4 +14,5 @@ mod drift;
 mod energy;
 mod free_field;
 mod image_echo;
+mod late_time;
 mod reciprocity;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 
 use super::print_json;
 use crate::check::gate::{self, Baseline};
@@ -33,7 +33,15 @@ pub(crate) struct Arguments {
 impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
-        let summary = Summary::read(&self.results.join(self.preset.name()).join("summary.json"))?;
+        let file = self.results.join(self.preset.name()).join("summary.json");
+        if !file.exists() {
+            bail!(
+                "{}: there is no summary to check; `echolot run --preset {}` makes it",
+                file.display(),
+                self.preset.name()
+            );
+        }
+        let summary = Summary::read(&file)?;
         let baseline = self.baseline.clone().unwrap_or_else(|| {
             PathBuf::from(format!("experiments/baselines/{}.json", self.preset.name()))
         });

@@ -26,8 +26,9 @@ check: ## formatting, lints, tests
 	cargo clippy --release --workspace --all-targets -- -D warnings
 	cargo test --release --workspace
 
-bench: ## benchmarks
+bench: ## benchmarks and the speed of the engines (results/bench)
 	cargo bench --workspace
+	$(ECHOLOT) bench
 
 bless: ## make the present quick results the baseline of the regression gate
 	$(ECHOLOT) check --preset quick --bless

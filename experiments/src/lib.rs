@@ -1,6 +1,7 @@
 //! The papers' studies: simulate recordings, localize, measure, draw, check; behind the command line tool `echolot`.
 
 pub mod atomic;
+pub mod bench;
 pub mod cache;
 pub mod check;
 pub mod cli;

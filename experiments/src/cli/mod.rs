@@ -1,5 +1,6 @@
 //! The command line of `echolot`, one file per command.
 
+mod bench;
 mod check;
 mod figures;
 mod list;
@@ -49,6 +50,8 @@ enum Command {
     Figures(figures::Arguments),
     /// Hold a summary against the baseline (quick) or the papers' claims (paper).
     Check(check::Arguments),
+    /// Measure the speed of the field engines.
+    Bench(bench::Arguments),
     /// List the studies.
     List(list::Arguments),
 }
@@ -69,6 +72,7 @@ impl Cli {
             Command::Run(arguments) => arguments.run(json),
             Command::Figures(arguments) => arguments.run(json),
             Command::Check(arguments) => arguments.run(json),
+            Command::Bench(arguments) => arguments.run(json),
             Command::List(arguments) => arguments.run(json),
         }
     }

@@ -6,7 +6,7 @@ use crate::room::{ROOM, echolot, expect, refuse, scene_file};
 fn every_command_has_help_with_an_example() {
     let folder = tempfile::tempdir().unwrap();
     for command in [
-        "scene", "simulate", "map", "localize", "run", "figures", "check", "list",
+        "scene", "simulate", "map", "localize", "run", "figures", "check", "list", "bench",
     ] {
         let help = expect(folder.path(), &[command, "--help"]);
         assert!(help.contains("Example:\n  echolot"), "{command}: {help}");
@@ -179,5 +179,26 @@ fn an_interrupted_simulation_goes_on_to_the_same_bytes() {
     for file in ["signal.wav", "odometry.csv", "truth.tum"] {
         let bytes = |run: &str| std::fs::read(at.join(run).join(file)).unwrap();
         assert_eq!(bytes("whole"), bytes("parts"), "{file}");
+    }
+}
+
+#[test]
+fn bench_prints_rows_and_names_bad_flags() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let text = expect(at, &["bench", "--cells", "96x96", "--steps", "8", "--json"]);
+    let rows: Vec<serde_json::Value> = serde_json::from_str(&text).unwrap();
+    for engine in ["reference", "fast"] {
+        assert!(rows.iter().any(|row| row["engine"] == engine), "{text}");
+    }
+    for key in ["scheme", "nx", "ny", "threads", "gcells_per_s"] {
+        assert!(rows.iter().all(|row| !row[key].is_null()), "{key}: {text}");
+    }
+    for cells in ["0x0", "abc", "96", "20x96", "9000000x9000000"] {
+        let complaint = refuse(at, &["bench", "--cells", cells]);
+        assert!(complaint.contains("--cells"), "{complaint}");
+    }
+    for flag in ["--steps", "--threads"] {
+        assert!(refuse(at, &["bench", flag, "0"]).contains(flag));
     }
 }

@@ -9,6 +9,7 @@
 //! steps at once in cache (see [`fast`]).
 
 pub mod fast;
+pub mod probe;
 pub mod reference;
 mod stencil;
 

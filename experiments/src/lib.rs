@@ -18,3 +18,4 @@ pub mod study;
 pub mod summary;
 pub mod table;
 pub mod trials;
+pub mod ultrasound;

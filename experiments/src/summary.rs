@@ -42,6 +42,37 @@ pub struct Summary {
     /// Compute time of one step (Fig. 17).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step_time_ms: Option<StepTime>,
+    /// Ranges to four receivers (Hsu et al., 2021).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dual_circle: Option<DualCircle>,
+}
+
+/// Errors of positions from the ranges to four receivers (Hsu et al., 2021).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DualCircle {
+    /// Recomputed from Table 1.
+    pub published_dual_circle: AxisErrors,
+    /// Recomputed from Table 2.
+    pub published_triangulation: AxisErrors,
+    /// Ours, circles around the receivers 1 and 2.
+    pub dual_circle: AxisErrors,
+    /// Ours, bearings at the receivers 1 and 2.
+    pub triangulation: AxisErrors,
+    /// Ours, all receivers.
+    pub least_squares: AxisErrors,
+}
+
+/// Absolute errors of positions per axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisErrors {
+    /// Mean along x, metres.
+    pub mae_x_m: f64,
+    /// Mean along y, metres.
+    pub mae_y_m: f64,
+    /// Greatest along either axis, metres.
+    pub worst_m: f64,
 }
 
 /// Accuracy of the three methods on the same drive.
@@ -166,6 +197,7 @@ impl Summary {
             engine: None,
             schemes: None,
             step_time_ms: None,
+            dual_circle: None,
         }
     }
 

@@ -26,6 +26,12 @@ pub enum Error {
         /// What would be accepted.
         remedy: String,
     },
+    /// Receivers and ranges that do not determine a position.
+    #[error("geometry: {problem}; move a receiver, or measure again")]
+    Degenerate {
+        /// What is degenerate.
+        problem: String,
+    },
 }
 
 impl Error {
@@ -41,6 +47,13 @@ impl Error {
             field: field.to_string(),
             problem: problem.to_string(),
             remedy: remedy.to_string(),
+        }
+    }
+
+    /// An [`Error::Degenerate`] from anything that prints.
+    pub fn degenerate(problem: impl std::fmt::Display) -> Self {
+        Self::Degenerate {
+            problem: problem.to_string(),
         }
     }
 

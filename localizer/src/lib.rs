@@ -20,6 +20,7 @@
 //! Conventions: SI units, radians; x right, y up, headings counter-clockwise from +x; arrays are `[iy, ix]`; angles of
 //! arrival are measured from the heading, 0 to pi; time 0 is the first sample of the first period.
 
+pub mod beacons;
 pub mod dead_reckoning;
 pub mod direct_wave;
 pub mod doppler;

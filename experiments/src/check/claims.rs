@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::metrics::Accuracy;
-use crate::summary::Summary;
+use crate::summary::{AxisErrors, Summary};
 
 /// A claim of the papers and what we find.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -136,6 +136,48 @@ pub fn claims(summary: &Summary) -> Vec<Claim> {
         summary.step_time_ms.as_ref().map(|time| {
             let ours = format!("{:.1} ms + {:.1} ms", time.doppler_bank, time.filter);
             (ours, time.doppler_bank + time.filter < 102.3)
+        }),
+    );
+    let points = summary.dual_circle.as_ref();
+    let centimetres = |errors: &AxisErrors| {
+        format!(
+            "({:.2}, {:.2}) cm",
+            100.0 * errors.mae_x_m,
+            100.0 * errors.mae_y_m
+        )
+    };
+    let at_most = |ours: &AxisErrors, published: &AxisErrors| {
+        let below = ours.mae_x_m <= published.mae_x_m && ours.mae_y_m <= published.mae_y_m;
+        (centimetres(ours), below)
+    };
+    add(
+        "dual circle, mean absolute error in x and y (Hsu et al., 2021)",
+        "(2.5, 3.22) cm",
+        points.map(|found| at_most(&found.dual_circle, &found.published_dual_circle)),
+    );
+    add(
+        "triangulation, mean absolute error in x and y",
+        "(2.89, 3.11) cm",
+        points.map(|found| at_most(&found.triangulation, &found.published_triangulation)),
+    );
+    add(
+        "least squares over four receivers, no worse than the published dual circle",
+        "(2.5, 3.22) cm",
+        points.map(|found| at_most(&found.least_squares, &found.published_dual_circle)),
+    );
+    add(
+        "all errors of the three methods within 6 cm",
+        "6 cm (dual circle)",
+        points.map(|found| {
+            let worst = [
+                &found.dual_circle,
+                &found.triangulation,
+                &found.least_squares,
+            ]
+            .map(|errors| errors.worst_m)
+            .into_iter()
+            .fold(0.0, f64::max);
+            (format!("{:.1} cm at most", 100.0 * worst), worst <= 0.06)
         }),
     );
     list

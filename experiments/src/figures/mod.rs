@@ -9,6 +9,7 @@ pub mod legend;
 pub mod scene;
 pub mod snapshot;
 
+mod dual_circle;
 mod error_distribution;
 mod estimated_paths;
 mod noise;
@@ -34,6 +35,11 @@ struct Figure {
 }
 
 const FIGURES: &[Figure] = &[
+    Figure {
+        name: "fig_dual_circle",
+        needs: &["dual_circle.csv", "dual_circle_published.csv"],
+        draw: dual_circle::draw,
+    },
     Figure {
         name: "fig04_scene_and_map",
         needs: &["layout.json", "drive.csv", "map.npy", "map.json"],

@@ -1,5 +1,6 @@
 //! The studies. Each takes recordings from the laboratory, writes data files, and fills its part of the summary.
 
+mod dual_circle;
 mod engine;
 mod layout;
 mod odometry_drift;
@@ -109,6 +110,14 @@ pub const STUDIES: &[Study] = &[
         presets: BOTH,
         takes: |lab| lab.takes(None),
         run: step_time::run,
+    },
+    Study {
+        name: "dual-circle",
+        about: "position from 40 kHz ranges to four receivers beside the tables of Hsu et al. (2021)",
+        figures: "fig_dual_circle",
+        presets: BOTH,
+        takes: |_| Vec::new(),
+        run: dual_circle::run,
     },
     Study {
         name: "engine",

@@ -32,6 +32,7 @@ pub mod localizer;
 pub mod map_folder;
 pub mod map_image;
 mod matcher;
+pub mod multipath;
 pub mod mutual_information;
 pub mod offline;
 pub mod parameters;

@@ -4,7 +4,8 @@
 //! `1/g = b (z - 1)/(z - b)`, `b = exp(-sigma dt)`: the exact symbol of a one-pole recursion, so that the layer is an
 //! analytic stretching of the coordinate for any step (Pasalic and McGarry 2010, in the form of Komatitsch and Martin
 //! 2007). Only what the stretching *changes* is added to the plain step, therefore the layer continues whatever wide
-//! stencil the interior uses without a jump. The grid beyond the layer is zero pressure.
+//! stencil the interior uses without a jump. With the 13-point scheme `D D` acts on the smoothed pressure of
+//! [`crate::scheme::Weights::layer`], so that all of the scheme is stretched. The grid beyond the layer is zero pressure.
 //!
 //! This module holds the profile; the recursions are in [`crate::field`]. They work row by row, and each row owns both of
 //! its faces, so that rows can be advanced in any order that respects the stencil.

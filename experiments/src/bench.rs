@@ -92,7 +92,7 @@ fn setup(nx: usize, ny: usize, scheme: Scheme) -> FieldSetup {
 fn forcing(nx: usize, ny: usize) -> Vec<StepForcing> {
     let at = |n: usize| {
         let stencil =
-            Spread::Kaiser8.stencil([0.5 * nx as f64 + 1e-3 * n as f64, 0.45 * ny as f64]);
+            Spread::Kaiser12.stencil([0.5 * nx as f64 + 1e-3 * n as f64, 0.45 * ny as f64]);
         let injection = Injection {
             stencil,
             amplitude: (0.5 * n as f32).sin(),

@@ -41,11 +41,11 @@ fn mask(grid: &Grid, rectangles: &[[usize; 4]]) -> SolidMask {
 
 /// A source and a receiver that cross the grid, with a waveform that fills the band.
 fn forcing(grid: &Grid, spread: Spread, steps: usize) -> Vec<StepForcing> {
-    let (w, h) = (grid.nx as f64 - 12.0, grid.ny as f64 - 12.0);
+    let (w, h) = (grid.nx as f64 - 15.0, grid.ny as f64 - 15.0);
     (0..steps)
         .map(|n| {
             let u = n as f64 / steps as f64;
-            let source = spread.stencil([5.0 + w * u, 5.0 + h * (1.0 - u)]);
+            let source = spread.stencil([7.0 + w * u, 7.0 + h * (1.0 - u)]);
             let wave = (n as f32 * 0.5).sin() + (n as f32 * 1.3).cos();
             StepForcing {
                 injections: [
@@ -54,11 +54,11 @@ fn forcing(grid: &Grid, spread: Spread, steps: usize) -> Vec<StepForcing> {
                         amplitude: wave,
                     },
                     Injection {
-                        stencil: spread.stencil([5.0 + w * u, 5.5 + h * (1.0 - u)]),
+                        stencil: spread.stencil([7.0 + w * u, 7.5 + h * (1.0 - u)]),
                         amplitude: -0.7 * wave,
                     },
                 ],
-                receiver: spread.stencil([5.0 + w * (1.0 - u), 5.3 + h * u * u]),
+                receiver: spread.stencil([7.0 + w * (1.0 - u), 7.3 + h * u * u]),
             }
         })
         .collect()
@@ -105,7 +105,7 @@ proptest! {
         layer in prop_oneof![Just(0usize), Just(7), Just(20)],
         threads in 1usize..5,
         scheme in prop_oneof![Just(Scheme::Slf), Just(Scheme::M13)],
-        spread in prop_oneof![Just(Spread::Bilinear), Just(Spread::Kaiser8)],
+        spread in prop_oneof![Just(Spread::Bilinear), Just(Spread::Kaiser8), Just(Spread::Kaiser12)],
         steps in 20usize..70,
         portable in any::<bool>(),
         rectangles in prop::collection::vec(prop::array::uniform4(0usize..180), 0..4),

@@ -95,7 +95,7 @@ fn what_is_left_out_is_as_in_the_papers_tables() {
     assert_eq!((scene.medium.c_mps, scene.medium.rho_kgpm3), (340.0, 1.293));
     assert_eq!(
         (scene.scheme, scene.spread, scene.layer_cells),
-        (Scheme::M13, Spread::Kaiser8, 20)
+        (Scheme::M13, Spread::Kaiser12, 20)
     );
     assert_eq!(
         (scene.waveform.code_length, scene.waveform.band_hz),
@@ -135,11 +135,12 @@ fn four_walls_is_the_papers_study() {
     );
     assert!(
         (localization.duration_s() - 40.0).abs() < 1e-9
-            && (mapping.duration_s() - 45.0).abs() < 1e-9
+            && (mapping.duration_s() - 52.0).abs() < 1e-9
     );
     let drift = drift_m(localization, 0.01);
     println!("dead reckoning with +0.01 rad/s is off by {drift:.3} m on average");
-    assert!(drift >= 0.3);
+    // Enough for odometry to be five times worse than the paper's 0.042 m.
+    assert!(drift >= 0.21);
     // Straights, turns both ways, and the speeds of a wheeled robot.
     let states: Vec<_> = (0..=4000)
         .map(|k| localization.state_at(f64::from(k) * 0.01))
@@ -167,7 +168,7 @@ fn four_walls_is_the_papers_study() {
     assert!((first.x_m - last.x_m).hypot(first.y_m - last.y_m) > 0.5);
     // The map is made with headings in all directions.
     let mut seen = [0; 12];
-    for k in 0..4500 {
+    for k in 0..5200 {
         let heading = mapping
             .state_at(f64::from(k) * 0.01)
             .heading_rad
@@ -195,7 +196,7 @@ fn four_walls_is_the_papers_study() {
 }
 
 #[test]
-fn four_walls_is_open_with_one_closed_corner() {
+fn four_walls_is_open_with_two_closed_corners() {
     let scene = Scene::load(&scenes().join("four_walls.json")).unwrap();
     assert_eq!(scene.walls.len(), 4);
     let length_m: f64 = scene.walls.iter().map(fdtd::walls::Wall::length_m).sum();
@@ -218,7 +219,7 @@ fn four_walls_is_open_with_one_closed_corner() {
             assert!(between.min(180.0 - between) > 3.0, "{directions:?}");
         }
     }
-    // Two walls share cells: the corner. All others are apart.
+    // Walls share cells where they meet in a corner. All others are apart.
     let masks: Vec<_> = scene
         .walls
         .iter()
@@ -233,7 +234,7 @@ fn four_walls_is_open_with_one_closed_corner() {
         .flat_map(|a| (a + 1..4).map(move |b| (a, b)))
         .filter(|&(a, b)| touching(a, b))
         .count();
-    assert_eq!(corners, 1);
+    assert_eq!(corners, 2);
 }
 
 #[test]

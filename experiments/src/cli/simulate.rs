@@ -38,7 +38,7 @@ pub(crate) struct Arguments {
     /// Scheme of the field, slf or m13; the scene's unless given.
     #[arg(long, value_parser = named::<Scheme>)]
     scheme: Option<Scheme>,
-    /// Spreading of source and receiver, bilinear or kaiser8; the scene's unless given.
+    /// Spreading of source and receiver, bilinear, kaiser8 or kaiser12; the scene's unless given.
     #[arg(long, value_parser = named::<Spread>)]
     spread: Option<Spread>,
     /// What computes the sound: the field, or image sources (approximate, seconds).

@@ -168,7 +168,7 @@ fn default_scheme() -> Scheme {
 }
 
 fn default_spread() -> Spread {
-    Spread::Kaiser8
+    Spread::Kaiser12
 }
 
 fn default_sample_rate_hz() -> f64 {

@@ -40,7 +40,7 @@ fn scene() -> Scene {
         },
         layer_cells: 20,
         scheme: Scheme::M13,
-        spread: Spread::Kaiser8,
+        spread: Spread::Kaiser12,
         // Faces at x = 1.3 m and y = 1.4 m, on the cells' borders.
         walls: vec![Wall {
             points_m: vec![[1.31, -0.2], [1.31, 1.41], [-0.2, 1.41]],

@@ -44,7 +44,7 @@ fn scene(scheme: Scheme, path: DrivePath) -> Scene {
         },
         layer_cells: 20,
         scheme,
-        spread: Spread::Kaiser8,
+        spread: Spread::Kaiser12,
         walls: vec![Wall {
             points_m: vec![[0.25, 0.7], [0.6, 0.62], [0.75, 0.3]],
             thickness_m: 0.02,

@@ -1,6 +1,6 @@
 //! Air that walls enclose but for some gaps: its lowest resonance lies far below the band and must not grow over a long run.
 //!
-//! Layout: the walls of `scenes/four_walls.json` on a coarser grid of 300 x 300 cells, a layer of 20 cells; the air in the middle
+//! Layout: the walls of `scenes/enclosed_walls.json` on a coarser grid of 300 x 300 cells, a layer of 20 cells; the air in the middle
 //! starts at 1 Pa.
 //! Formula: nothing brings energy in, so that the pressure cannot grow.
 //! Bias: the layer stretches space by sigma/omega, so far below the band it absorbs slowly.
@@ -17,7 +17,7 @@ use std::path::Path;
 
 #[test]
 fn the_resonance_behind_gaps_does_not_grow() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/four_walls.json");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/enclosed_walls.json");
     let scene = Scene::load(&file).expect("the scene of the repository");
     let coarse = Grid {
         nx: 300,

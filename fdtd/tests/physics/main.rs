@@ -6,6 +6,7 @@ mod rig;
 
 mod absorbing_layer;
 mod box_modes;
+mod coincident_pair;
 mod corner;
 mod determinism;
 mod dispersion;

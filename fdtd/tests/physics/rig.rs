@@ -39,7 +39,7 @@ impl Rig {
     pub(crate) fn open(scheme: Scheme, nx: usize, ny: usize) -> Self {
         Self {
             scheme,
-            spread: Spread::Kaiser8,
+            spread: Spread::Kaiser12,
             layer_cells: 20,
             mask: SolidMask {
                 nx,

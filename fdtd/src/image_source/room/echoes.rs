@@ -126,12 +126,7 @@ pub(super) fn track(
 }
 
 /// Retarded time, and the factor `1 / (r (1 - M_n))`.
-fn heard_at(
-    t_s: f64,
-    receiver_m: Vec3,
-    image_at: &dyn Fn(f64) -> Vec3,
-    c_mps: f64,
-) -> (f64, f64) {
+fn heard_at(t_s: f64, receiver_m: Vec3, image_at: &dyn Fn(f64) -> Vec3, c_mps: f64) -> (f64, f64) {
     let apart = |sent_s: f64| -> Vec3 {
         let image = image_at(sent_s);
         std::array::from_fn(|i| receiver_m[i] - image[i])

@@ -5,7 +5,7 @@
 
 mod echoes;
 
-pub use echoes::{RoomPair, synthesize};
+pub use echoes::{RoomPair, SpatialPositionAt, synthesize};
 
 use crate::Error;
 use crate::rays::fade;
@@ -52,7 +52,11 @@ impl Room {
             Err(Error::invalid("room", field, problem, remedy))
         };
         if !(height_m.is_finite() && height_m > 0.0) {
-            return refuse("height_m", format!("is {height_m}"), "give a positive number");
+            return refuse(
+                "height_m",
+                format!("is {height_m}"),
+                "give a positive number",
+            );
         }
         if !(-1.0..=1.0).contains(&reflection) {
             return refuse("reflection", format!("is {reflection}"), "give -1 to 1");

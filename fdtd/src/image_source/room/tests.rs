@@ -32,7 +32,9 @@ fn lattice(size_m: [f64; 3], source: [f64; 3], receiver: [f64; 3], order: i32) -
                 let count = i.abs() + j.abs() + k.abs();
                 if count <= order {
                     let image = [at(i, 0), at(j, 1), at(k, 2)];
-                    let r = (0..3).map(|a| (image[a] - receiver[a]).powi(2)).sum::<f64>();
+                    let r = (0..3)
+                        .map(|a| (image[a] - receiver[a]).powi(2))
+                        .sum::<f64>();
                     found.push((r.sqrt(), count));
                 }
             }
@@ -94,7 +96,13 @@ fn a_static_pair_hears_every_image_of_the_lattice_once() {
 fn a_wall_scales_the_time_of_a_moving_pair_by_the_exact_factor() {
     let room = shoebox([40.0, 40.0, 20.0], 1.0);
     let (v, theta) = (10.0_f64, 0.7_f64);
-    let drive = |t_s: f64| [20.0 + v * theta.cos() * t_s, 15.0 + v * theta.sin() * t_s, 8.0];
+    let drive = |t_s: f64| {
+        [
+            20.0 + v * theta.cos() * t_s,
+            15.0 + v * theta.sin() * t_s,
+            8.0,
+        ]
+    };
     let pair = RoomPair {
         source_at: &drive,
         receiver_at: &drive,
@@ -139,7 +147,9 @@ fn rooms_that_are_none_are_refused() {
         (&square[..], 0.0, 0.9, "height_m"),
         (&square[..], 2.0, 1.5, "reflection"),
     ] {
-        let message = Room::new(corners, height, reflection).unwrap_err().to_string();
+        let message = Room::new(corners, height, reflection)
+            .unwrap_err()
+            .to_string();
         assert!(message.contains(word), "{message}");
     }
     assert_eq!(Room::new(&square, 2.0, 0.9).unwrap().sequences(2).len(), 37);

@@ -20,16 +20,16 @@ const PAPER_M: f64 = 0.085;
 fn style(method: &str) -> (Stroke, &'static str) {
     match method {
         "single" => (
-            Stroke::solid(colour::PURPLE, 5.0).dashed(&[6.0, 8.0]),
-            "(a) single reflections",
+            Stroke::solid(colour::PURPLE, 5.0).dashed(&[14.0, 8.0, 4.0, 8.0, 4.0, 8.0]),
+            "(a) single echoes",
         ),
         "planar" => (
             Stroke::solid(colour::ORANGE, 5.0).dashed(&[22.0, 9.0, 5.0, 9.0]),
-            "(b) and double, in the plane",
+            "(b) single and double, in the plane",
         ),
         "spatial" => (
             Stroke::solid(colour::GREEN, 5.0).dashed(&[22.0, 9.0]),
-            "(c) and ceiling and floor",
+            "(c) with ceiling and floor",
         ),
         other => method_style(other),
     }
@@ -44,8 +44,21 @@ fn points(table: &Table, x: &str, y: &str) -> Result<Vec<(f64, f64)>> {
         .collect())
 }
 
-/// Draws the first trial of each method into a map; returns the legend's entries.
-fn first_trials(axes: &Axes<'_>, table: &Table, methods: &[&str]) -> Result<Vec<Entry>> {
+/// The trial whose mean error by model (b) is the median one of all trials.
+fn median_trial(table: &Table) -> Result<String> {
+    let rows = table.only("method", "planar")?;
+    let mut trials = Vec::new();
+    for trial in rows.distinct("trial")? {
+        let errors = rows.only("trial", &trial)?.numbers("error_m")?;
+        trials.push((mean(&errors), trial));
+    }
+    trials.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let middle = trials.len() / 2;
+    Ok(trials.into_iter().nth(middle).unwrap_or_default().1)
+}
+
+/// Draws one trial of each method into a map; returns the legend's entries.
+fn one_trial(axes: &Axes<'_>, table: &Table, trial: &str, methods: &[&str]) -> Result<Vec<Entry>> {
     let mut entries = Vec::new();
     for method in methods {
         let rows = table.only("method", method)?;
@@ -53,7 +66,7 @@ fn first_trials(axes: &Axes<'_>, table: &Table, methods: &[&str]) -> Result<Vec<
             continue;
         }
         let (stroke, name) = style(method);
-        axes.curve(&points(&rows.only("trial", "0")?, "x_m", "y_m")?, stroke)?;
+        axes.curve(&points(&rows.only("trial", trial)?, "x_m", "y_m")?, stroke)?;
         entries.push(Entry::line(stroke, name));
     }
     Ok(entries)
@@ -105,15 +118,16 @@ pub(crate) fn paths(data: &Path, picture: &Path) -> Result<()> {
         axes.curve(&room, Stroke::solid(colour::GREY, 8.0))?;
         let (black, name) = method_style("truth");
         let mut entries = vec![Entry::line(black, name)];
-        let methods = ["odometry", "single", "planar", "spatial"];
-        entries.extend(first_trials(&axes, &table, &methods)?);
         path(&axes, &truth, black)?;
-        axes.finish("estimated positions (first trial)")?;
-        column(
-            sheet,
-            entries,
-            &["\u{25cf} start   \u{25a0} end   grey: walls"],
-        )
+        let trial = median_trial(&table)?;
+        let methods = ["odometry", "single", "planar", "spatial"];
+        entries.extend(one_trial(&axes, &table, &trial, &methods)?);
+        axes.finish("estimated positions, one trial")?;
+        let notes = [
+            "The trial with the median error of (b).",
+            "\u{25cf} start   \u{25a0} end   grey: walls",
+        ];
+        column(sheet, entries, &notes)
     })
 }
 
@@ -153,7 +167,7 @@ pub(crate) fn errors(data: &Path, picture: &Path) -> Result<()> {
     let longest = all().map(|point| point.0).fold(0.0, f64::max);
     let gates = Table::read(&data.join("multipath_gates.csv"))?;
     canvas::draw(picture, 1800, 1040, |sheet| {
-        let title = "The more reflections a model knows, the smaller its error stays";
+        let title = "At a gate of 0.25 m only model (c) always follows; at wide gates none does";
         sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
         let left = Axes::new(
             sheet,
@@ -170,8 +184,8 @@ pub(crate) fn errors(data: &Path, picture: &Path) -> Result<()> {
             left.curve(curve, stroke)?;
             entries.push(Entry::line(stroke, &format!("{name}: {error:.3} m")));
         }
-        entries.push(Entry::line(paper, "the paper's mean for (c): 0.085 m"));
-        left.finish("(a) error over time, mean over the trials")?;
+        entries.push(Entry::line(paper, "paper, (c): 0.085 m"));
+        left.finish("error over time, gate 0.25 m")?;
         let cells = ["single", "planar", "spatial"]
             .iter()
             .map(|method| {
@@ -202,7 +216,7 @@ pub(crate) fn errors(data: &Path, picture: &Path) -> Result<()> {
             right.curve(&curve, stroke)?;
             right.whiskers(&bars, stroke.colour)?;
         }
-        right.finish("(b) mean error over the gate, bars: 95 % interval")?;
+        right.finish("mean error over the gate")?;
         legend(sheet, [150.0, 78.0], 1620.0, &entries)?;
         Ok(())
     })
@@ -224,17 +238,11 @@ pub(crate) fn scene(data: &Path, picture: &Path) -> Result<()> {
         layout.walls(&axes, Stroke::solid(colour::GREY, 6.0))?;
         let (black, name) = method_style("truth");
         let mut entries = vec![Entry::line(black, name)];
-        entries.extend(first_trials(
-            &axes,
-            &table,
-            &["odometry", "planar", "doppler"],
-        )?);
         path(&axes, &truth, black)?;
+        let methods = ["odometry", "doppler", "planar"];
+        entries.extend(one_trial(&axes, &table, "0", &methods)?);
         axes.finish("estimated positions (first trial)")?;
-        column(
-            sheet,
-            entries,
-            &["\u{25cf} start   \u{25a0} end   grey: walls"],
-        )
+        let note = "\u{25cf} start   \u{25a0} end   grey: walls";
+        column(sheet, entries, &[note])
     })
 }

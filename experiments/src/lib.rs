@@ -9,6 +9,7 @@ pub mod figures;
 pub mod interrupt;
 pub mod laboratory;
 pub mod metrics;
+pub mod multipath;
 pub mod preset;
 pub mod progress;
 pub mod provenance;

@@ -1,5 +1,9 @@
 //! Every number that a figure, the README or a check rests on: `results/<preset>/summary.json`.
 
+mod multipath;
+
+pub use multipath::{FollowedPath, Multipath, MultipathGate, MultipathScene};
+
 use std::path::Path;
 
 use anyhow::{Context, Result};
@@ -45,6 +49,9 @@ pub struct Summary {
     /// Ranges to four receivers (Hsu et al., 2021).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dual_circle: Option<DualCircle>,
+    /// Positions from multipath arrival times (Tsuchiya et al., 2021).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub multipath: Option<Multipath>,
 }
 
 /// Errors of positions from the ranges to four receivers (Hsu et al., 2021).
@@ -198,6 +205,7 @@ impl Summary {
             schemes: None,
             step_time_ms: None,
             dual_circle: None,
+            multipath: None,
         }
     }
 

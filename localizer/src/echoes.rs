@@ -107,6 +107,36 @@ impl EchoSequence {
 /// they say (see [`Parameters::for_recording`]), is shorter than M periods, does not pass [`Recording::check`], or has no
 /// `direct.wav` although `direct_wave` is free-field.
 pub fn measure(recording: &Recording, parameters: &Parameters) -> Result<EchoSequence, Error> {
+    let (blocks, odometry) = map_blocks(
+        recording,
+        parameters,
+        DopplerBank::scratch,
+        |bank, scratch, index, samples, odometry| {
+            let mut block = EchoBlock::empty(bank);
+            block.set_motion(parameters, index, odometry);
+            bank.measure(samples, block.odometry.v_mps, scratch, &mut block.intensity);
+            block.set_mean();
+            block
+        },
+    )?;
+    Ok(EchoSequence {
+        parameters: parameters.clone(),
+        blocks,
+        odometry,
+    })
+}
+
+/// Applies `each` to every block of a recording (its number, its samples without the direct wave, the odometry of its periods), in parallel, each
+/// thread with its own buffers from `buffers`. Returns the results in order and the mean odometry of every period.
+///
+/// # Errors
+/// As [`measure`].
+pub(crate) fn map_blocks<B, T: Send>(
+    recording: &Recording,
+    parameters: &Parameters,
+    buffers: impl Fn(&DopplerBank) -> B + Sync,
+    each: impl Fn(&DopplerBank, &mut B, usize, &[f32], &[Odometry]) -> T + Sync,
+) -> Result<(Vec<T>, Vec<Odometry>), Error> {
     let bank = DopplerBank::new(parameters)?;
     if parameters.for_recording(&recording.meta) != *parameters {
         let problem = "waveform, sample rate or speed of sound differ from recording.json";
@@ -146,23 +176,15 @@ pub fn measure(recording: &Recording, parameters: &Parameters) -> Result<EchoSeq
         .par_iter()
         .enumerate()
         .map_init(
-            || (bank.scratch(), vec![0.0; bank.block_length()]),
-            |(scratch, freed), (index, direct)| {
+            || (buffers(&bank), vec![0.0; bank.block_length()]),
+            |(own, freed), (index, direct)| {
                 let end = index + parameters.periods;
                 remove_direct(&signal[index * period..end * period], direct, freed);
-                let mut block = EchoBlock::empty(&bank);
-                block.set_motion(parameters, index, &odometry[index..end]);
-                bank.measure(freed, block.odometry.v_mps, scratch, &mut block.intensity);
-                block.set_mean();
-                block
+                each(&bank, own, index, freed, &odometry[index..end])
             },
         )
         .collect();
-    Ok(EchoSequence {
-        parameters: parameters.clone(),
-        blocks,
-        odometry,
-    })
+    Ok((blocks, odometry))
 }
 
 /// The direct wave's estimate at the end of every block.

@@ -19,7 +19,7 @@ pub struct Claim {
 }
 
 /// Mean and interval in metres.
-fn metres(accuracy: &Accuracy) -> String {
+pub(super) fn metres(accuracy: &Accuracy) -> String {
     let [low, high] = accuracy.interval_m;
     format!("{:.3} m [{low:.3}, {high:.3}]", accuracy.mae_m)
 }
@@ -180,6 +180,7 @@ pub fn claims(summary: &Summary) -> Vec<Claim> {
             (format!("{:.1} cm at most", 100.0 * worst), worst <= 0.06)
         }),
     );
+    list.extend(super::claims_multipath::claims(summary));
     list
 }
 

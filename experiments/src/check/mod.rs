@@ -1,6 +1,7 @@
 //! Verdicts on a summary: against a baseline (regression gate) and against the paper's claims.
 
 pub mod claims;
+mod claims_multipath;
 pub mod gate;
 
 /// What a command returns when a check did not pass; the table has been printed.

@@ -12,6 +12,7 @@ pub mod snapshot;
 mod dual_circle;
 mod error_distribution;
 mod estimated_paths;
+mod multipath;
 mod noise;
 mod periods;
 mod reflections;
@@ -39,6 +40,21 @@ const FIGURES: &[Figure] = &[
         name: "fig_dual_circle",
         needs: &["dual_circle.csv", "dual_circle_published.csv"],
         draw: dual_circle::draw,
+    },
+    Figure {
+        name: "fig_multipath_paths",
+        needs: &["multipath.csv", "multipath_drive.csv", "multipath_room.csv"],
+        draw: multipath::paths,
+    },
+    Figure {
+        name: "fig_multipath_errors",
+        needs: &["multipath.csv", "multipath_gates.csv"],
+        draw: multipath::errors,
+    },
+    Figure {
+        name: "fig_multipath_scene",
+        needs: &["layout.json", "drive.csv", "multipath_scene.csv"],
+        draw: multipath::scene,
     },
     Figure {
         name: "fig04_scene_and_map",

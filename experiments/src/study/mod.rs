@@ -3,6 +3,7 @@
 mod dual_circle;
 mod engine;
 mod layout;
+mod multipath;
 mod odometry_drift;
 mod periods;
 mod reflections;
@@ -118,6 +119,14 @@ pub const STUDIES: &[Study] = &[
         presets: BOTH,
         takes: |_| Vec::new(),
         run: dual_circle::run,
+    },
+    Study {
+        name: "multipath",
+        about: "position from multipath arrival times by planes and a Kalman filter (2021), in a room and on the scene",
+        figures: "fig_multipath_paths, fig_multipath_errors, fig_multipath_scene",
+        presets: BOTH,
+        takes: |lab| lab.takes(None),
+        run: multipath::run,
     },
     Study {
         name: "engine",
@@ -275,6 +284,9 @@ pub fn table(summary: &Summary) -> String {
     if let Some(schemes) = &summary.schemes {
         add("schemes", "slf, Doppler".into(), &schemes.slf.doppler);
         add("schemes", "slf, ToA only".into(), &schemes.slf.toa_only);
+    }
+    for (cell, accuracy) in summary.multipath.iter().flat_map(multipath::rows) {
+        add("multipath", cell.into(), accuracy);
     }
     let mut text = aligned(&rows);
     if let Some(time) = &summary.step_time_ms {

@@ -64,6 +64,25 @@ fn write_data(data: &Path) {
         &data.join("step_time.csv"),
         "stage,half_width_m,time_ms\ndoppler_bank,,7.5\ndoppler_bank,,8\nfilter,1,0.5\nfilter,4,2.5\n",
     );
+    table(
+        &data.join("multipath_room.csv"),
+        "x_m,y_m,ceiling_m\n0,0,2.5\n4,0,2.5\n4,3,2.5\n0,3,2.5\n",
+    );
+    table(
+        &data.join("multipath_drive.csv"),
+        "t_s,x_m,y_m\n0,1,1\n1,2,1\n",
+    );
+    table(
+        &data.join("multipath_gates.csv"),
+        "method,gate_m,trial,mae_m\nspatial,0.2,0,0.02\nspatial,0.3,0,0.03\n",
+    );
+    for name in ["multipath.csv", "multipath_scene.csv"] {
+        table(
+            &data.join(name),
+            "method,trial,t_s,x_m,y_m,error_m\nspatial,0,0.1,1,1,0.01\nspatial,0,0.2,1,1.1,0.02\n\
+             planar,0,0.1,1,1,0.01\ndoppler,0,0.1,1,1,0.01\n",
+        );
+    }
     for name in ["dual_circle.csv", "dual_circle_published.csv"] {
         table(
             &data.join(name),
@@ -86,7 +105,7 @@ fn every_figure_is_drawn_and_the_same_each_time() {
             .collect()
     };
     let first = pictures(draw_all(folder.path()).unwrap());
-    assert_eq!(first.len(), 10);
+    assert_eq!(first.len(), 13);
     assert_eq!(first, pictures(draw_all(folder.path()).unwrap()));
 }
 

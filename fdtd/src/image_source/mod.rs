@@ -9,6 +9,7 @@
 //! with `M_n` the Mach number of the image towards the receiver. It knows no diffraction: at the borders of a wall's reflection and of its shadow an
 //! echo fades over a few centimetres instead of over its Fresnel zone.
 
+pub mod room;
 mod spectrum;
 mod track;
 

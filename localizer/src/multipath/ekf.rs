@@ -1,7 +1,8 @@
 //! The extended Kalman filter (2021, eqs. (1) and (6)).
 
+use super::arrivals::ArrivalBlock;
 use super::{association::associate, prediction::Predictor};
-use crate::{Odometry, Pose, pose::wrap_angle};
+use crate::{Odometry, Pose, Trajectory, pose::wrap_angle};
 
 /// Noise of the wheels and of the arrival times, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,9 +64,11 @@ impl Ekf {
         self.pose
     }
 
-    /// Eq. (1), with the covariance `F P F' + G Q G'`.
+    /// Eq. (1) along the heading in the middle of the step, which does not lag in turns as the printed form does; covariance
+    /// `F P F' + G Q G'`.
     fn advance(&mut self, speeds: Odometry, dt_s: f64) {
-        let (sin, cos) = self.pose.heading_rad.sin_cos();
+        let turn_rad = speeds.omega_radps * dt_s;
+        let (sin, cos) = (self.pose.heading_rad + 0.5 * turn_rad).sin_cos();
         let step_m = speeds.v_mps * dt_s;
         let f = [
             [1.0, 0.0, -step_m * sin],
@@ -73,7 +76,11 @@ impl Ekf {
             [0.0, 0.0, 1.0],
         ];
         let (along, turn) = (self.noise.v_mps * dt_s, self.noise.omega_radps * dt_s);
-        let g = [[cos * along, 0.0], [sin * along, 0.0], [0.0, turn]];
+        let g = [
+            [cos * along, -0.5 * step_m * sin * turn],
+            [sin * along, 0.5 * step_m * cos * turn],
+            [0.0, turn],
+        ];
         let p = self.covariance;
         self.covariance = std::array::from_fn(|i| {
             std::array::from_fn(|j| {
@@ -85,7 +92,7 @@ impl Ekf {
         });
         self.pose.x_m += step_m * cos;
         self.pose.y_m += step_m * sin;
-        self.pose.heading_rad = wrap_angle(self.pose.heading_rad + speeds.omega_radps * dt_s);
+        self.pose.heading_rad = wrap_angle(self.pose.heading_rad + turn_rad);
     }
 
     /// Eq. (6) for one arrival: with independent noise, one after the other equals all at once.
@@ -100,6 +107,26 @@ impl Ekf {
         self.covariance =
             std::array::from_fn(|i| std::array::from_fn(|j| p[i][j] - ph[i] * ph[j] / variance));
     }
+}
+
+/// Follows the blocks of a recording from a known start at time 0: the start and one pose for each block.
+pub fn follow(
+    blocks: &[ArrivalBlock],
+    predictor: &Predictor,
+    noise: Noise,
+    start: Pose,
+) -> Trajectory {
+    let mut ekf = Ekf::new(start, noise);
+    let mut trajectory = Trajectory {
+        t_s: vec![0.0],
+        poses: vec![start],
+    };
+    for block in blocks {
+        let pose = ekf.step(block.odometry, block.step_s, &block.times_s, predictor);
+        trajectory.t_s.push(block.t_s);
+        trajectory.poses.push(pose);
+    }
+    trajectory
 }
 
 #[cfg(test)]

@@ -17,10 +17,17 @@ pub enum Model {
 /// All paths of a model, from the loudspeaker to the microphone above the robot's position.
 #[derive(Debug, Clone)]
 pub struct Predictor {
-    paths: Vec<Reflection>,
+    paths: Vec<Path>,
     speaker_height_m: f64,
     microphone_height_m: f64,
     sound_speed_mps: f64,
+}
+
+/// One path: the planes in the order in which sound meets them, and the image's map.
+#[derive(Debug, Clone)]
+struct Path {
+    planes: Vec<Plane>,
+    reflection: Reflection,
 }
 
 /// One predicted arrival.
@@ -35,16 +42,22 @@ pub struct Arrival {
 impl Predictor {
     /// Lists the model's paths; two reflections in one plane cancel and are left out.
     pub fn new(planes: &[Plane], model: Model, heights_m: [f64; 2], sound_speed_mps: f64) -> Self {
-        let known: Vec<Reflection> = planes
+        let single: Vec<Path> = planes
             .iter()
-            .filter(|p| model == Model::Spatial || p.is_vertical())
-            .map(Plane::reflection)
+            .filter(|plane| model == Model::Spatial || plane.is_vertical())
+            .map(|plane| Path {
+                planes: vec![*plane],
+                reflection: plane.reflection(),
+            })
             .collect();
-        let mut paths = known.clone();
+        let mut paths = single.clone();
         if model != Model::Single {
-            for (i, first) in known.iter().enumerate() {
-                let others = known.iter().enumerate().filter(|(j, _)| *j != i);
-                paths.extend(others.map(|(_, second)| first.then(second)));
+            for (i, first) in single.iter().enumerate() {
+                let others = single.iter().enumerate().filter(|(j, _)| *j != i);
+                paths.extend(others.map(|(_, second)| Path {
+                    planes: [first.planes.as_slice(), &second.planes].concat(),
+                    reflection: first.reflection.then(&second.reflection),
+                }));
             }
         }
         let [speaker_height_m, microphone_height_m] = heights_m;
@@ -56,17 +69,19 @@ impl Predictor {
         }
     }
 
-    /// Arrival times at a pose, eq. (3), with their analytic Jacobians.
+    /// Arrival times at a pose, eq. (3), with their analytic Jacobians. Paths that miss a finite wall are left out.
     pub fn predict(&self, pose: &Pose) -> Vec<Arrival> {
+        let speaker = [pose.x_m, pose.y_m, self.speaker_height_m];
+        let microphone = [pose.x_m, pose.y_m, self.microphone_height_m];
         self.paths
             .iter()
-            .map(|path| self.arrival(path, pose))
+            .filter(|path| path.is_open(speaker, microphone))
+            .map(|path| self.arrival(&path.reflection, speaker, microphone))
             .collect()
     }
 
-    fn arrival(&self, path: &Reflection, pose: &Pose) -> Arrival {
-        let image = path.apply([pose.x_m, pose.y_m, self.speaker_height_m]);
-        let microphone = [pose.x_m, pose.y_m, self.microphone_height_m];
+    fn arrival(&self, path: &Reflection, speaker: [f64; 3], microphone: [f64; 3]) -> Arrival {
+        let image = path.apply(speaker);
         let ray: [f64; 3] = std::array::from_fn(|i| microphone[i] - image[i]);
         let length = ray.iter().map(|r| r * r).sum::<f64>().sqrt().max(1e-9);
         let slope = |axis: usize| {
@@ -77,6 +92,26 @@ impl Predictor {
             time_s: length / self.sound_speed_mps,
             jacobian: [slope(0), slope(1), 0.0],
         }
+    }
+}
+
+impl Path {
+    /// Whether every reflection point lies on its wall, from the microphone back to the loudspeaker.
+    fn is_open(&self, speaker: [f64; 3], microphone: [f64; 3]) -> bool {
+        let images: Vec<[f64; 3]> = self
+            .planes
+            .iter()
+            .scan(speaker, |image, plane| {
+                *image = plane.reflection().apply(*image);
+                Some(*image)
+            })
+            .collect();
+        let legs = self.planes.iter().zip(images).rev();
+        let mut end = Some(microphone);
+        for (plane, image) in legs {
+            end = end.and_then(|end| plane.passage(image, end));
+        }
+        end.is_some()
     }
 }
 
@@ -134,5 +169,31 @@ mod tests {
             ..Pose::default()
         });
         assert!((arrivals[0].time_s - 6.0 / 340.0).abs() < 1e-12);
+    }
+
+    /// A corner of two walls, 3 m long each, at (0, 0): a robot hears both and, through the apex, the corner by both orders; beyond
+    /// one wall's end it loses that wall alone, and behind both it hears nothing.
+    #[test]
+    fn finite_walls_are_heard_where_they_reflect() {
+        let walls = [
+            Plane::wall([[0.0, 0.0], [3.0, 0.0]]).unwrap(),
+            Plane::wall([[0.0, 3.0], [0.0, 0.0]]).unwrap(),
+        ];
+        let predictor = Predictor::new(&walls, Model::Planar, [0.0, 0.0], 340.0);
+        let lengths = |x_m: f64, y_m: f64| -> Vec<f64> {
+            let pose = Pose {
+                x_m,
+                y_m,
+                heading_rad: 0.0,
+            };
+            let arrivals = predictor.predict(&pose);
+            arrivals.iter().map(|a| 340.0 * a.time_s).collect()
+        };
+        let near = lengths(1.0, 1.2);
+        let expected = [2.4, 2.0, 2.0 * 1f64.hypot(1.2), 2.0 * 1f64.hypot(1.2)];
+        assert_eq!(near.len(), 4, "{near:?}");
+        assert!(near.iter().zip(expected).all(|(n, e)| (n - e).abs() < 1e-9));
+        assert_eq!(lengths(4.0, 1.0).len(), 3);
+        assert_eq!(lengths(-4.0, -1.0).len(), 0);
     }
 }

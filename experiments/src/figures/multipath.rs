@@ -1,0 +1,248 @@
+//! Multipath arrival times (2021, Fig. 3): paths and errors of the three models in a room, and model (b) beside the Doppler method on the scene.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::axes::{Axes, LABEL, TITLE};
+use super::axis::Axis;
+use super::canvas::{self, Canvas, Stroke};
+use super::layout::{Layout, drive_points, path};
+use super::legend::{Entry, legend};
+use super::{colour, means_by, method_style};
+use crate::metrics::mean;
+use crate::table::Table;
+
+/// Mean error of model (c) in the paper's experiment, metres.
+const PAPER_M: f64 = 0.085;
+
+/// How a model is drawn, and its name.
+fn style(method: &str) -> (Stroke, &'static str) {
+    match method {
+        "single" => (
+            Stroke::solid(colour::PURPLE, 5.0).dashed(&[14.0, 8.0, 4.0, 8.0, 4.0, 8.0]),
+            "(a) single echoes",
+        ),
+        "planar" => (
+            Stroke::solid(colour::ORANGE, 5.0).dashed(&[22.0, 9.0, 5.0, 9.0]),
+            "(b) single and double, in the plane",
+        ),
+        "spatial" => (
+            Stroke::solid(colour::GREEN, 5.0).dashed(&[22.0, 9.0]),
+            "(c) with ceiling and floor",
+        ),
+        other => method_style(other),
+    }
+}
+
+/// Columns `x` and `y` as points.
+fn points(table: &Table, x: &str, y: &str) -> Result<Vec<(f64, f64)>> {
+    Ok(table
+        .numbers(x)?
+        .into_iter()
+        .zip(table.numbers(y)?)
+        .collect())
+}
+
+/// The trial whose mean error by model (b) is the median one of all trials.
+fn median_trial(table: &Table) -> Result<String> {
+    let rows = table.only("method", "planar")?;
+    let mut trials = Vec::new();
+    for trial in rows.distinct("trial")? {
+        let errors = rows.only("trial", &trial)?.numbers("error_m")?;
+        trials.push((mean(&errors), trial));
+    }
+    trials.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let middle = trials.len() / 2;
+    Ok(trials.into_iter().nth(middle).unwrap_or_default().1)
+}
+
+/// Draws one trial of each method into a map; returns the legend's entries.
+fn one_trial(axes: &Axes<'_>, table: &Table, trial: &str, methods: &[&str]) -> Result<Vec<Entry>> {
+    let mut entries = Vec::new();
+    for method in methods {
+        let rows = table.only("method", method)?;
+        if rows.is_empty() {
+            continue;
+        }
+        let (stroke, name) = style(method);
+        axes.curve(&points(&rows.only("trial", trial)?, "x_m", "y_m")?, stroke)?;
+        entries.push(Entry::line(stroke, name));
+    }
+    Ok(entries)
+}
+
+/// Lists entries one below the other, then notes.
+fn column(sheet: &Canvas, entries: Vec<Entry>, notes: &[&str]) -> Result<()> {
+    let mut y = 150.0;
+    for entry in entries {
+        y += legend(sheet, [1060.0, y], 520.0, &[entry])? + 14.0;
+    }
+    for note in notes {
+        sheet.text(note, [1060.0, y + 30.0], (1, 0), LABEL - 3.0, false, false)?;
+        y += 46.0;
+    }
+    Ok(())
+}
+
+/// Draws the paths in the room.
+///
+/// # Errors
+/// When a data file is missing or damaged, or the picture cannot be written.
+pub(crate) fn paths(data: &Path, picture: &Path) -> Result<()> {
+    let table = Table::read(&data.join("multipath.csv"))?;
+    let truth = points(
+        &Table::read(&data.join("multipath_drive.csv"))?,
+        "x_m",
+        "y_m",
+    )?;
+    let mut room = points(
+        &Table::read(&data.join("multipath_room.csv"))?,
+        "x_m",
+        "y_m",
+    )?;
+    room.extend(room.first().copied());
+    canvas::draw(picture, 1660, 1040, |sheet| {
+        let title = "Double echoes and the ceiling hold the path that single echoes lose";
+        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        let around = |pick: fn(&(f64, f64)) -> f64, label: &str| {
+            Axis::around(room.iter().map(pick), 0.05, label)
+        };
+        let axes = Axes::equal(
+            sheet,
+            [120.0, 130.0, 1010.0, 930.0],
+            around(|point| point.0, "x [m]"),
+            around(|point| point.1, "y [m]"),
+        );
+        axes.grid()?;
+        axes.curve(&room, Stroke::solid(colour::GREY, 8.0))?;
+        let (black, name) = method_style("truth");
+        let mut entries = vec![Entry::line(black, name)];
+        path(&axes, &truth, black)?;
+        let trial = median_trial(&table)?;
+        let methods = ["odometry", "single", "planar", "spatial"];
+        entries.extend(one_trial(&axes, &table, &trial, &methods)?);
+        axes.finish("estimated positions, one trial")?;
+        let notes = [
+            "The trial with the median error of (b).",
+            "\u{25cf} start   \u{25a0} end   grey: walls",
+        ];
+        column(sheet, entries, &notes)
+    })
+}
+
+/// Mean over the trials of the error at each time.
+fn mean_errors(rows: &Table) -> Result<Vec<(f64, f64)>> {
+    let mut times: Vec<(f64, Vec<f64>)> = Vec::new();
+    for trial in rows.distinct("trial")? {
+        let curve = points(&rows.only("trial", &trial)?, "t_s", "error_m")?;
+        for (index, (t_s, error)) in curve.into_iter().enumerate() {
+            match times.get_mut(index) {
+                Some((_, errors)) => errors.push(error),
+                None => times.push((t_s, vec![error])),
+            }
+        }
+    }
+    Ok(times
+        .into_iter()
+        .map(|(t_s, errors)| (t_s, mean(&errors)))
+        .collect())
+}
+
+/// Draws the errors in the room over time and over the gate.
+///
+/// # Errors
+/// When a data file is missing or damaged, or the picture cannot be written.
+pub(crate) fn errors(data: &Path, picture: &Path) -> Result<()> {
+    let table = Table::read(&data.join("multipath.csv"))?;
+    let mut curves = Vec::new();
+    for method in ["odometry", "single", "planar", "spatial"] {
+        let rows = table.only("method", method)?;
+        if !rows.is_empty() {
+            curves.push((method, mean_errors(&rows)?, mean(&rows.numbers("error_m")?)));
+        }
+    }
+    let all = || curves.iter().flat_map(|(_, curve, _)| curve);
+    let highest = all().map(|point| point.1).fold(0.1, f64::max);
+    let longest = all().map(|point| point.0).fold(0.0, f64::max);
+    let gates = Table::read(&data.join("multipath_gates.csv"))?;
+    canvas::draw(picture, 1800, 1040, |sheet| {
+        let title = "At a gate of 0.25 m only model (c) always follows; at wide gates none does";
+        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        let left = Axes::new(
+            sheet,
+            [150.0, 270.0, 900.0, 925.0],
+            Axis::new(0.0, longest, "time [s]"),
+            Axis::new(0.0, 1.05 * highest, "position error [m]"),
+        );
+        left.grid()?;
+        let paper = Stroke::solid(colour::GREY, 3.5);
+        left.curve(&[(0.0, PAPER_M), (longest, PAPER_M)], paper)?;
+        let mut entries = Vec::new();
+        for (method, curve, error) in &curves {
+            let (stroke, name) = style(method);
+            left.curve(curve, stroke)?;
+            entries.push(Entry::line(stroke, &format!("{name}: {error:.3} m")));
+        }
+        entries.push(Entry::line(paper, "paper, (c): 0.085 m"));
+        left.finish("error over time, gate 0.25 m")?;
+        let cells = ["single", "planar", "spatial"]
+            .iter()
+            .map(|method| {
+                Ok((
+                    *method,
+                    means_by(&gates.only("method", method)?, "gate_m", "mae_m")?,
+                ))
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let all = || cells.iter().flat_map(|(_, means)| means);
+        let highest = all().map(|cell| cell.2[1]).fold(0.1, f64::max);
+        let widest = all().map(|cell| cell.0).fold(0.1, f64::max);
+        let right = Axes::new(
+            sheet,
+            [1060.0, 270.0, 1750.0, 925.0],
+            Axis::new(0.0, 1.05 * widest, "gate of the association [m]"),
+            Axis::new(0.0, 1.05 * highest, "MAE of position [m]"),
+        );
+        right.grid()?;
+        right.curve(&[(0.0, PAPER_M), (1.05 * widest, PAPER_M)], paper)?;
+        for (method, means) in &cells {
+            let (stroke, _) = style(method);
+            let curve: Vec<(f64, f64)> = means.iter().map(|cell| (cell.0, cell.1)).collect();
+            let bars: Vec<_> = means
+                .iter()
+                .map(|cell| (cell.0, cell.2[0], cell.2[1]))
+                .collect();
+            right.curve(&curve, stroke)?;
+            right.whiskers(&bars, stroke.colour)?;
+        }
+        right.finish("mean error over the gate")?;
+        legend(sheet, [150.0, 78.0], 1620.0, &entries)?;
+        Ok(())
+    })
+}
+
+/// Draws model (b) and the Doppler method on the scene.
+///
+/// # Errors
+/// When a data file is missing or damaged, or the picture cannot be written.
+pub(crate) fn scene(data: &Path, picture: &Path) -> Result<()> {
+    let layout = Layout::read(data)?;
+    let truth = drive_points(&Table::read(&data.join("drive.csv"))?, "localization")?;
+    let table = Table::read(&data.join("multipath_scene.csv"))?;
+    canvas::draw(picture, 1660, 1100, |sheet| {
+        let title = "Planes and arrival times beside map image and Doppler bearings";
+        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        let axes = layout.axes(sheet, [120.0, 130.0, 980.0, 990.0]);
+        axes.grid()?;
+        layout.walls(&axes, Stroke::solid(colour::GREY, 6.0))?;
+        let (black, name) = method_style("truth");
+        let mut entries = vec![Entry::line(black, name)];
+        path(&axes, &truth, black)?;
+        let methods = ["odometry", "doppler", "planar"];
+        entries.extend(one_trial(&axes, &table, "0", &methods)?);
+        axes.finish("estimated positions (first trial)")?;
+        let note = "\u{25cf} start   \u{25a0} end   grey: walls";
+        column(sheet, entries, &[note])
+    })
+}

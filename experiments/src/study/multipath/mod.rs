@@ -1,0 +1,226 @@
+//! Position from multipath arrival times by planes and a Kalman filter (Tsuchiya et al., 2021), in a room and on the preset's scene.
+
+mod scene;
+
+use anyhow::{Context, Result};
+use localizer::dead_reckoning::dead_reckon;
+use localizer::multipath::arrivals;
+use localizer::multipath::ekf::{Noise, follow};
+use localizer::multipath::peaks::Picking;
+use localizer::multipath::prediction::{Model, Predictor};
+use localizer::pose::wrap_angle;
+use localizer::{Recording, Trajectory};
+
+use crate::interrupt;
+use crate::laboratory::Laboratory;
+use crate::metrics::{Accuracy, mean, rounded};
+use crate::multipath::{CEILING_M, CORNERS_M, HEIGHTS_M, Site};
+use crate::summary::{FollowedPath, Multipath, MultipathGate, Summary};
+use crate::table::{Table, cell};
+
+/// Trials: seeds of noise and slip.
+const TRIALS: u64 = 10;
+/// Every how many blocks an estimate is written to the data file.
+const EVERY: usize = 2;
+/// Methods in the data files.
+const METHODS: [(&str, Option<Model>); 4] = [
+    ("single", Some(Model::Single)),
+    ("planar", Some(Model::Planar)),
+    ("spatial", Some(Model::Spatial)),
+    ("odometry", None),
+];
+
+/// Peaks: four times the noise, one chip apart.
+const PICKING: Picking = Picking {
+    threshold: 4.0,
+    separation: 4,
+    most: 16,
+};
+/// Round trips at which peaks are picked: beyond the direct wave and the floor's echo, up to the longest double echoes, metres.
+const ROUND_TRIP_M: [f64; 2] = [1.2, 9.0];
+
+/// Gate of the association where it is not varied: largest difference of round trips, metres.
+const GATE_M: f64 = 0.25;
+/// Gates tried; the widest lets nearly every peak pass, as eq. (4) without a gate does.
+const GATES_M: [f64; 8] = [0.1, 0.15, 0.2, GATE_M, 0.3, 0.4, 0.6, 1.0];
+
+/// Noise that the filter expects, the same for all models, at a speed of sound in m/s and a gate in metres.
+fn noise(c_mps: f64, gate_m: f64) -> Noise {
+    Noise {
+        v_mps: 0.05,
+        omega_radps: 0.1,
+        time_s: 0.03 / c_mps,
+        gate_s: gate_m / c_mps,
+    }
+}
+
+/// Errors of a trajectory at its own times.
+struct Errors {
+    position_m: Vec<f64>,
+    heading_rad: Vec<f64>,
+}
+
+/// Compares a trajectory with the truth of its recording, the start left out.
+fn errors(trajectory: &Trajectory, recording: &Recording) -> Result<Errors> {
+    let truth = recording
+        .truth
+        .as_ref()
+        .context("recording: truth.tum: is missing")?;
+    let mut errors = Errors {
+        position_m: Vec::new(),
+        heading_rad: Vec::new(),
+    };
+    for (t_s, pose) in trajectory.t_s.iter().zip(&trajectory.poses).skip(1) {
+        let true_pose = truth
+            .pose_at(*t_s)
+            .context("recording: truth.tum: is empty")?;
+        errors.position_m.push(rounded(pose.distance_m(&true_pose)));
+        let turned = wrap_angle(pose.heading_rad - true_pose.heading_rad);
+        errors.heading_rad.push(rounded(turned));
+    }
+    Ok(errors)
+}
+
+/// Accuracy over trials.
+fn accuracy(trials: &[Errors]) -> Accuracy {
+    let pairs: Vec<(&[f64], &[f64])> = trials
+        .iter()
+        .map(|errors| (errors.position_m.as_slice(), errors.heading_rad.as_slice()))
+        .collect();
+    Accuracy::over(&pairs)
+}
+
+/// Adds rows of a trajectory: method, trial, time, position and error.
+fn write_path(
+    table: &mut Table,
+    method: &str,
+    trial: u64,
+    trajectory: &Trajectory,
+    errors: &Errors,
+) {
+    let rows = trajectory.t_s.iter().zip(&trajectory.poses).skip(1);
+    for ((t_s, pose), error_m) in rows.zip(&errors.position_m).step_by(EVERY) {
+        table.push([
+            method.to_string(),
+            trial.to_string(),
+            cell(*t_s, 3),
+            cell(pose.x_m, 3),
+            cell(pose.y_m, 3),
+            cell(*error_m, 4),
+        ]);
+    }
+}
+
+const COLUMNS: [&str; 6] = ["method", "trial", "t_s", "x_m", "y_m", "error_m"];
+
+/// Writes the room's plan and the true path.
+fn write_room(lab: &Laboratory, recording: &Recording) -> Result<()> {
+    let mut room = Table::new(["x_m", "y_m", "ceiling_m"]);
+    for [x, y] in CORNERS_M {
+        room.push([x, y, CEILING_M].map(|value| cell(value, 3)));
+    }
+    room.write(&lab.data("multipath_room.csv"))?;
+    let mut drive = Table::new(["t_s", "x_m", "y_m"]);
+    if let Some(truth) = &recording.truth {
+        for (t_s, pose) in truth.t_s.iter().zip(&truth.poses).step_by(10) {
+            drive.push([cell(*t_s, 2), cell(pose.x_m, 4), cell(pose.y_m, 4)]);
+        }
+    }
+    drive.write(&lab.data("multipath_drive.csv"))
+}
+
+/// Runs the study.
+pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
+    let site = Site::simulate()?;
+    let c_mps = site.parameters.speed_of_sound_mps;
+    let mut paths = Table::new(COLUMNS);
+    let mut gates = Table::new(["method", "gate_m", "trial", "mae_m"]);
+    let mut followed: [Vec<Errors>; 4] = Default::default();
+    let task = lab.board.task("multipath", TRIALS);
+    for trial in 0..TRIALS {
+        interrupt::check()?;
+        let recording = site.recording(trial);
+        if trial == 0 {
+            write_room(lab, &recording)?;
+        }
+        let blocks = arrivals::measure(&recording, &site.parameters, &PICKING, ROUND_TRIP_M)?;
+        let start = recording.start_pose();
+        for ((method, model), list) in METHODS.iter().zip(&mut followed) {
+            let trajectory = match model {
+                Some(model) => {
+                    let predictor = Predictor::new(&site.planes, *model, HEIGHTS_M, c_mps);
+                    for gate_m in GATES_M {
+                        let path = follow(&blocks, &predictor, noise(c_mps, gate_m), start);
+                        let error_m = mean(&errors(&path, &recording)?.position_m);
+                        gates.push([
+                            method.to_string(),
+                            cell(gate_m, 2),
+                            trial.to_string(),
+                            cell(error_m, 4),
+                        ]);
+                    }
+                    follow(&blocks, &predictor, noise(c_mps, GATE_M), start)
+                }
+                None => dead_reckon(&recording, &site.parameters, start),
+            };
+            let found = errors(&trajectory, &recording)?;
+            write_path(&mut paths, method, trial, &trajectory, &found);
+            list.push(found);
+        }
+        task.set(trial + 1);
+    }
+    paths.write(&lab.data("multipath.csv"))?;
+    gates.write(&lab.data("multipath_gates.csv"))?;
+    let [single, planar, spatial, odometry] = followed.map(|trials| FollowedPath {
+        final_m: rounded(mean(
+            &trials
+                .iter()
+                .filter_map(|errors| errors.position_m.last().copied())
+                .collect::<Vec<f64>>(),
+        )),
+        accuracy: accuracy(&trials),
+    });
+    summary.multipath = Some(Multipath {
+        single,
+        planar,
+        spatial,
+        odometry,
+        gates: by_gate(&gates)?,
+        scene: scene::run(lab)?,
+    });
+    Ok(())
+}
+
+/// Mean errors over the trials at each gate.
+fn by_gate(gates: &Table) -> Result<Vec<MultipathGate>> {
+    let at = |method: &str, gate_m: f64| -> Result<f64> {
+        let rows = gates
+            .only("method", method)?
+            .only("gate_m", &cell(gate_m, 2))?;
+        Ok(rounded(mean(&rows.numbers("mae_m")?)))
+    };
+    GATES_M
+        .iter()
+        .map(|&gate_m| {
+            Ok(MultipathGate {
+                gate_m,
+                single_m: at("single", gate_m)?,
+                planar_m: at("planar", gate_m)?,
+                spatial_m: at("spatial", gate_m)?,
+            })
+        })
+        .collect()
+}
+
+/// Rows of the table of accuracies: cell and accuracy.
+pub(super) fn rows(found: &Multipath) -> [(&'static str, &Accuracy); 7] {
+    [
+        ("(a) single", &found.single.accuracy),
+        ("(b) double, in the plane", &found.planar.accuracy),
+        ("(c) with ceiling and floor", &found.spatial.accuracy),
+        ("odometry", &found.odometry.accuracy),
+        ("scene: (b)", &found.scene.planar),
+        ("scene: Doppler", &found.scene.doppler),
+        ("scene: odometry", &found.scene.odometry),
+    ]
+}

@@ -19,3 +19,4 @@ pub mod summary;
 pub mod table;
 pub mod trials;
 pub mod ultrasound;
+pub mod validate;

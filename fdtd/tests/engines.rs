@@ -104,7 +104,7 @@ proptest! {
         ny in 50usize..190,
         layer in prop_oneof![Just(0usize), Just(7), Just(20)],
         threads in 1usize..5,
-        scheme in prop_oneof![Just(Scheme::Slf), Just(Scheme::M13)],
+        scheme in prop::sample::select(&Scheme::ALL[..]),
         spread in prop_oneof![Just(Spread::Bilinear), Just(Spread::Kaiser8)],
         steps in 20usize..70,
         portable in any::<bool>(),

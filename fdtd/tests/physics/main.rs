@@ -16,3 +16,4 @@ mod free_field;
 mod image_echo;
 mod late_time;
 mod reciprocity;
+mod spectrum;

@@ -17,6 +17,8 @@ const WAVE_NUMBERS: usize = 40;
 /// From an axis to a diagonal; the other directions are their mirror images.
 const DIRECTIONS: usize = 9;
 const ITERATIONS: usize = 100;
+/// Weights sum to one.
+const LEAST_WEIGHT: f64 = 1e-30;
 
 /// Error at one place of the band: `constant` plus the coefficients' parts.
 struct Place {
@@ -73,7 +75,8 @@ pub(super) fn coefficients(courant: f64) -> [f64; 4] {
         }
         let sum: f64 = weights.iter().zip(&errors).map(|(w, e)| w * e).sum();
         for (weight, error) in weights.iter_mut().zip(&errors) {
-            *weight *= error / sum;
+            // Places that do not count must not reach the slow subnormal numbers.
+            *weight = (*weight * error / sum).max(LEAST_WEIGHT);
         }
     }
     best.0

@@ -8,6 +8,7 @@ mod absorbing_layer;
 mod box_modes;
 mod corner;
 mod determinism;
+mod diffraction;
 mod dispersion;
 mod doppler;
 mod drift;

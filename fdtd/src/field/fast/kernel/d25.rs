@@ -49,18 +49,14 @@ impl<V: Vector> Sweep<V> for D25 {
                 }
                 for j in 0..vectors {
                     let at = row.add(j * V::LANES);
-                    let sides = |at: *const f32| {
-                        w.d25_sides(
-                            V::load(at),
-                            [vertical(at, stride), vertical(at, 2 * stride)],
-                        )
-                    };
-                    let [far_west, west] = [at.sub(2 * ahead), at.sub(ahead)].map(sides);
-                    let [east, far_east] = [at.add(ahead), at.add(2 * ahead)].map(sides);
+                    let far_west = sides(w, at.sub(2 * ahead), stride);
+                    let west = sides(w, at.sub(ahead), stride);
+                    let east = sides(w, at.add(ahead), stride);
+                    let far_east = sides(w, at.add(2 * ahead), stride);
                     let target = target.add(j * V::LANES);
                     let sum = w.d25_first(V::load(at.sub(3 * ahead)), V::load(target));
                     let sum = sum.add(far_west[1]).add(west[0]);
-                    let verticals = [1, 2, 3].map(|rows| vertical(at, rows * stride));
+                    let verticals = verticals(at, stride);
                     let sum = w.d25_own(V::load(at), verticals, sum);
                     let sum = sum.add(east[0]).add(far_east[1]);
                     w.d25_last(V::load(at.add(3 * ahead)), sum).store(target);
@@ -78,6 +74,38 @@ impl<V: Vector> Sweep<V> for D25 {
 unsafe fn vertical<V: Vector>(at: *const f32, rows: usize) -> V {
     // SAFETY: the caller's promise.
     unsafe { V::load(at.sub(rows)).add(V::load(at.add(rows))) }
+}
+
+/// Sums of the cells one, two and three rows below and above.
+///
+/// # Safety
+/// All must be readable.
+#[inline(always)]
+unsafe fn verticals<V: Vector>(at: *const f32, stride: usize) -> [V; 3] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        [
+            vertical(at, stride),
+            vertical(at, 2 * stride),
+            vertical(at, 3 * stride),
+        ]
+    }
+}
+
+/// What a column gives to the columns beside it. A function, not a closure: a closure that is not inlined would call every
+/// vector instruction as a function.
+///
+/// # Safety
+/// The column's cells up to two rows away must be readable.
+#[inline(always)]
+unsafe fn sides<V: Vector>(w: &Splat<V>, at: *const f32, stride: usize) -> [V; 2] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        w.d25_sides(
+            V::load(at),
+            [vertical(at, stride), vertical(at, 2 * stride)],
+        )
+    }
 }
 
 /// One row of the centre.
@@ -98,19 +126,12 @@ unsafe fn centre_row<V: Vector>(
         let column = |j: isize| row.offset(j * V::LANES as isize);
         let here = |j: isize| V::load(column(j));
         let past = |j: isize| V::load(target.offset(j * V::LANES as isize));
-        let sides = |j: isize| {
-            let at = column(j);
-            w.d25_sides(
-                V::load(at),
-                [vertical(at, stride), vertical(at, 2 * stride)],
-            )
-        };
         // sums[k] belongs to column j + k - 3 when column j comes.
         let mut sums = [here(0); 6];
-        let west = sides(-1);
+        let west = sides(w, column(-1), stride);
         sums[3] = w
             .d25_first(here(-3), past(0))
-            .add(sides(-2)[1])
+            .add(sides(w, column(-2), stride)[1])
             .add(west[0]);
         sums[4] = w.d25_first(here(-2), past(1)).add(west[1]);
         sums[5] = w.d25_first(here(-1), past(2));
@@ -118,7 +139,7 @@ unsafe fn centre_row<V: Vector>(
         for j in 0..end {
             let at = column(j);
             let own = V::load(at);
-            let verticals = [1, 2, 3].map(|rows| vertical(at, rows * stride));
+            let verticals = verticals(at, stride);
             let [beside, beyond] = w.d25_sides(own, [verticals[0], verticals[1]]);
             let done = w.d25_last(own, sums[0]);
             if j >= 3 {
@@ -133,11 +154,16 @@ unsafe fn centre_row<V: Vector>(
                 w.d25_first(own, past(j + 3)),
             ];
         }
-        let east = sides(end);
+        let east = sides(w, column(end), stride);
         let rest = [
             w.d25_last(here(end), sums[0]),
             w.d25_last(here(end + 1), sums[1].add(east[1])),
-            w.d25_last(here(end + 2), sums[2].add(east[0]).add(sides(end + 1)[1])),
+            w.d25_last(
+                here(end + 2),
+                sums[2]
+                    .add(east[0])
+                    .add(sides(w, column(end + 1), stride)[1]),
+            ),
         ];
         for (k, sum) in rest.into_iter().enumerate() {
             let j = end - 3 + k as isize;

@@ -2,7 +2,7 @@
 
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
-.PHONY: help sim-experiments sim-quick figures test check bench bless
+.PHONY: help sim-experiments sim-quick figures validate test check bench bless
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -17,6 +17,10 @@ figures: ## redraw all figures from the data files, without computing anything
 	@for preset in paper quick; do \
 		if [ -d results/$$preset/data ]; then $(ECHOLOT) figures --preset $$preset || exit 1; fi; \
 	done
+	@if [ -d results/validation/data ]; then $(ECHOLOT) validate --figures-only; fi
+
+validate: ## hold the field against laws of physics, all cases (results/validation)
+	$(ECHOLOT) validate --full
 
 test: ## all tests
 	cargo test --release --workspace

@@ -27,7 +27,7 @@ const ROW_S: f64 = 1.0;
 pub struct Row {
     /// `reference` or `fast`.
     pub engine: &'static str,
-    /// `slf` or `m13`.
+    /// `slf`, `m13` or `d25`.
     pub scheme: &'static str,
     /// Cells along x.
     pub nx: usize,
@@ -54,7 +54,8 @@ pub struct Row {
 fn flops(scheme: Scheme) -> f64 {
     match scheme {
         Scheme::Slf => 7.0,
-        Scheme::M13 => 15.0,
+        Scheme::M13 | Scheme::O13 => 15.0,
+        Scheme::D25 => 27.0,
     }
 }
 

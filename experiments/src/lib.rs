@@ -20,3 +20,4 @@ pub mod summary;
 pub mod table;
 pub mod trials;
 pub mod ultrasound;
+pub mod validate;

@@ -251,7 +251,12 @@ fn field_signal(
         return Err(error);
     }
     match outcome {
-        Outcome::Finished => Ok(simulation.signal()),
+        Outcome::Finished => {
+            if let Some(snapshots) = snapshots {
+                crate::figures::animation::animate(&snapshots.folder)?;
+            }
+            Ok(simulation.signal())
+        }
         Outcome::Stopped => {
             if let Some(checkpoint) = checkpoint {
                 save(&simulation, &checkpoint.path)?;

@@ -14,6 +14,7 @@ pub mod scene;
 pub mod scheme;
 pub mod simulation;
 pub mod spread;
+pub mod validation;
 pub mod walls;
 pub mod waveform;
 

@@ -9,6 +9,7 @@ mod map;
 mod run;
 mod scene;
 mod simulate;
+mod validate;
 
 use std::path::PathBuf;
 
@@ -52,6 +53,8 @@ enum Command {
     Check(check::Arguments),
     /// Measure the speed of the field engines.
     Bench(bench::Arguments),
+    /// Hold the field against laws of physics: table, data, figure.
+    Validate(validate::Arguments),
     /// List the studies.
     List(list::Arguments),
 }
@@ -73,6 +76,7 @@ impl Cli {
             Command::Figures(arguments) => arguments.run(json),
             Command::Check(arguments) => arguments.run(json),
             Command::Bench(arguments) => arguments.run(json),
+            Command::Validate(arguments) => arguments.run(json),
             Command::List(arguments) => arguments.run(json),
         }
     }

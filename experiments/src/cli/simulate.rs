@@ -35,7 +35,7 @@ pub(crate) struct Arguments {
     /// Simulate the drive without walls too and write it as direct.wav.
     #[arg(long, conflicts_with = "free_field")]
     with_direct: bool,
-    /// Scheme of the field, slf or m13; the scene's unless given.
+    /// Scheme of the field, slf, m13 or d25; the scene's unless given.
     #[arg(long, value_parser = named::<Scheme>)]
     scheme: Option<Scheme>,
     /// Spreading of source and receiver, bilinear, kaiser8 or kaiser12; the scene's unless given.
@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
     /// Go on from the checkpoint of an interrupted simulation.
     #[arg(long)]
     resume: bool,
-    /// Folder for pictures of the field.
+    /// Folder for pictures of the field, and for the animation (pressure.apng) that joins them.
     #[arg(long, value_name = "DIR", requires = "every")]
     snapshots: Option<PathBuf>,
     /// Time between two pictures, seconds of the drive.

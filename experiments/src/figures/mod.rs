@@ -1,9 +1,11 @@
 //! The figures. Each is drawn from the data files of a results folder alone; nothing is computed by the localizer here.
 
+pub mod animation;
 pub mod axes;
 pub mod axis;
 pub mod canvas;
 pub mod colour;
+pub(crate) mod dispersion;
 pub mod layout;
 pub mod legend;
 pub mod scene;

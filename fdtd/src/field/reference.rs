@@ -7,7 +7,7 @@ use crate::scheme::Scheme;
 use crate::spread::TAPS;
 
 /// Cells of zero pressure around the grid, as many as the widest stencil reaches.
-const RIM: usize = 2;
+const RIM: usize = 3;
 
 /// Two time levels in plain row order with a rim of zeros.
 #[derive(Debug, Clone)]
@@ -70,49 +70,58 @@ impl ReferenceField {
                     [row(-1), row(0), row(1)],
                     next,
                 ),
-                Scheme::M13 => m13_row(
+                Scheme::M13 | Scheme::O13 => m13_row(
                     &Splat::new(&self.setup.weights),
                     [row(-2), row(-1), row(0), row(1), row(2)],
+                    next,
+                ),
+                Scheme::D25 => d25_row(
+                    &Splat::new(&self.setup.weights),
+                    std::array::from_fn(|k| row(k as isize - 3)),
                     next,
                 ),
             }
             let courant2 = self.setup.courant2;
             let weights = Splat::new(&self.setup.weights);
-            let wide = self.setup.scheme.radius() > 1;
+            // What the layer takes the second difference of, around a cell whose neighbours `at(along, across)` gives.
+            let layered = |at: &dyn Fn(isize, isize) -> f32| match self.setup.scheme {
+                Scheme::Slf => at(0, 0),
+                Scheme::M13 | Scheme::O13 => {
+                    weights.m13_layer(at(0, 0), [at(-1, 0), at(1, 0)], [at(0, -1), at(0, 1)])
+                }
+                Scheme::D25 => weights.d25_layer(
+                    at(0, 0),
+                    [[at(-1, 0), at(1, 0)], [at(-2, 0), at(2, 0)]],
+                    [at(0, -1), at(0, 1)],
+                    [[at(-1, -1), at(-1, 1)], [at(1, -1), at(1, 1)]],
+                ),
+            };
+            let cell = |x: isize, dy: isize| {
+                self.now[(start as isize + dy * stride as isize + x) as usize]
+            };
             if let (Some(decay), Some(at)) =
                 (self.setup.layer.row(ny, iy), layer_row(cells, ny, iy))
             {
                 let memory = &mut self.layer_y[at * 3 * nx..(at + 1) * 3 * nx];
-                let rows: [&[f32]; 5] = std::array::from_fn(|k| row(k as isize - 2));
                 for ix in 0..nx {
-                    let x = ix + RIM;
-                    let layered = |k: usize| match wide {
-                        true => weights.m13_layer(
-                            rows[k][x],
-                            [rows[k - 1][x], rows[k + 1][x]],
-                            [rows[k][x - 1], rows[k][x + 1]],
-                        ),
-                        false => rows[k][x],
+                    let layered = |dy: isize| {
+                        layered(&|along, across| cell(ix as isize + across, dy + along))
                     };
-                    let here = layered(2);
-                    let slopes = [here - layered(1), layered(3) - here];
+                    let here = layered(0);
+                    let slopes = [here - layered(-1), layered(1) - here];
                     let old = std::array::from_fn(|k| memory[k * nx + ix]);
                     let (new, change) = layer(slopes, decay, old);
                     (0..3).for_each(|k| memory[k * nx + ix] = new[k]);
                     next[ix] = courant2.mul_add(change, next[ix]);
                 }
             }
-            let (south, p, north) = (row(-1), row(0), row(1));
-            let layered = |x: usize| match wide {
-                true => weights.m13_layer(p[x], [p[x - 1], p[x + 1]], [south[x], north[x]]),
-                false => p[x],
-            };
             let sides = [(&self.setup.layer, 0), (&self.high, nx - width)];
             let memory = self.layer_x[iy * 6 * width..(iy + 1) * 6 * width]
                 .chunks_exact_mut(3 * width.max(1));
             for ((profile, first), memory) in sides.into_iter().zip(memory) {
                 for i in 0..width {
-                    let x = first + i + RIM;
+                    let x = (first + i) as isize;
+                    let layered = |x: isize| layered(&|along, across| cell(x + along, across));
                     let here = layered(x);
                     let slopes = [here - layered(x - 1), layered(x + 1) - here];
                     let old = std::array::from_fn(|k| memory[k * width + i]);
@@ -167,6 +176,21 @@ fn m13_row(
             [far_south[x], far_north[x]],
             *p,
         );
+    }
+}
+
+#[inline(always)]
+fn d25_row(w: &Splat<f32>, rows: [&[f32]; 7], next: &mut [f32]) {
+    let width = next.len() + 2 * RIM;
+    let [s3, s2, s1, here, n1, n2, n3] = rows.map(|row| &row[..width]);
+    for (i, p) in next.iter_mut().enumerate() {
+        let x = i + RIM;
+        let near = |x: usize| s1[x] + n1[x];
+        let far = |x: usize| s2[x] + n2[x];
+        let sides = |x: usize| w.d25_sides(here[x], [near(x), far(x)]);
+        let sum = w.d25_first(here[x - 3], *p) + sides(x - 2)[1] + sides(x - 1)[0];
+        let sum = w.d25_own(here[x], [near(x), far(x), s3[x] + n3[x]], sum);
+        *p = w.d25_last(here[x + 3], sum + sides(x + 1)[0] + sides(x + 2)[1]);
     }
 }
 

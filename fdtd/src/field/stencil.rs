@@ -49,20 +49,24 @@ pub(super) struct Splat<N> {
     pub(super) edge: N,
     pub(super) corner: N,
     pub(super) far: N,
-    /// What [`Splat::m13_layer`] gives a cell, its neighbours along the absorbed axis, and those across it.
-    layer: [N; 3],
+    pub(super) knight: N,
+    pub(super) outer: N,
+    /// What the absorbing layer gives a cell, its neighbours along the absorbed axis, those across it, those at distance two
+    /// along it, and the diagonal ones.
+    layer: [N; 5],
 }
 
 impl<N: Number> Splat<N> {
     #[inline(always)]
     pub(super) fn new(weights: &Weights) -> Self {
-        let [own, along, across] = weights.layer();
         Self {
-            layer: [N::splat(own), N::splat(along), N::splat(across)],
+            layer: weights.layer().map(N::splat),
             centre: N::splat(weights.centre),
             edge: N::splat(weights.edge),
             corner: N::splat(weights.corner),
             far: N::splat(weights.far),
+            knight: N::splat(weights.knight),
+            outer: N::splat(weights.outer),
         }
     }
 
@@ -102,17 +106,67 @@ impl<N: Number> Splat<N> {
     /// absorbed axis and those across it.
     #[inline(always)]
     pub(super) fn m13_layer(&self, here: N, along: [N; 2], across: [N; 2]) -> N {
-        let [own, beside, aside] = self.layer;
+        let [own, beside, aside, ..] = self.layer;
         let sum = aside.mul_add(across[0].add(across[1]), own.mul(here));
         beside.mul_add(along[0].add(along[1]), sum)
+    }
+
+    /// What a column gives to the columns beside it and to those at distance two (25-point step): from its cell in this row
+    /// and the sums of its cells one and two rows below and above.
+    #[inline(always)]
+    pub(super) fn d25_sides(&self, here: N, [near, far]: [N; 2]) -> [N; 2] {
+        let beside = self.corner.mul_add(near, self.knight.mul(far));
+        [
+            self.edge.mul_add(here, beside),
+            self.far.mul_add(here, self.knight.mul(near)),
+        ]
+    }
+
+    /// First term of the 25-point step's sum, which goes from west to east: the cell three to the west, and the past. Then follow
+    /// the parts of the columns two and one to the west ([`Splat::d25_sides`]), [`Splat::d25_own`], the parts of the columns one
+    /// and two to the east, and [`Splat::d25_last`].
+    #[inline(always)]
+    pub(super) fn d25_first(&self, west: N, past: N) -> N {
+        self.outer.mul_sub(west, past)
+    }
+
+    /// Adds the column itself: its cell in this row, and the sums of its cells one, two and three rows below and above.
+    #[inline(always)]
+    pub(super) fn d25_own(&self, here: N, [near, far, outer]: [N; 3], sum: N) -> N {
+        let sum = self.far.mul_add(far, self.outer.mul_add(outer, sum));
+        self.centre.mul_add(here, self.edge.mul_add(near, sum))
+    }
+
+    /// Adds the cell three to the east.
+    #[inline(always)]
+    pub(super) fn d25_last(&self, east: N, sum: N) -> N {
+        self.outer.mul_add(east, sum)
+    }
+
+    /// What the absorbing layer takes the second difference of with the 25-point scheme, from a cell, its neighbours along the
+    /// absorbed axis (next and second) and across it, and the diagonal ones.
+    #[inline(always)]
+    pub(super) fn d25_layer(
+        &self,
+        here: N,
+        [along, beyond]: [[N; 2]; 2],
+        across: [N; 2],
+        diagonal: [[N; 2]; 2],
+    ) -> N {
+        let [own, beside, aside, second, corner] = self.layer;
+        let pair = |cells: [N; 2]| cells[0].add(cells[1]);
+        let sum = aside.mul_add(pair(across), own.mul(here));
+        let sum = corner.mul_add(pair(diagonal[0]).add(pair(diagonal[1])), sum);
+        let sum = second.mul_add(pair(beyond), sum);
+        beside.mul_add(pair(along), sum)
     }
 }
 
 /// Memory of the absorbing layer at one cell: lower face, upper face, cell.
 pub(super) type LayerMemory<N> = [N; 3];
 
-/// One step of the layer's recursions at one cell from the differences of pressure (of [`Splat::m13_layer`]
-/// with the 13-point scheme) over its lower and upper face and the
+/// One step of the layer's recursions at one cell from the differences of pressure (with the wide schemes of
+/// what [`Splat::m13_layer`] and [`Splat::d25_layer`] give) over its lower and upper face and the
 /// decays of lower face, upper face and cell; returns the memory after it and what to add to the plain step, in units
 /// of the Courant number squared (see [`crate::pml`]).
 #[inline(always)]

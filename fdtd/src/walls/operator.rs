@@ -8,9 +8,9 @@
 use crate::scheme::Weights;
 use crate::walls::SolidMask;
 
-/// Half width of the patch in which a row of the operator is worked out; a scheme of radius two needs two cells and
+/// Half width of the patch in which a row of the operator is worked out; a scheme of radius three needs three cells and
 /// their faces.
-const REACH: isize = 3;
+const REACH: isize = 4;
 const WIDTH: usize = 2 * REACH as usize + 1;
 
 /// One cell next to a wall and the entries that its row has beside the plain stencil.
@@ -98,6 +98,16 @@ impl Patch<'_> {
                 (half, &ab),
                 (half, &ba),
             ]);
+            if weights.cube != 0.0 || weights.cross != 0.0 {
+                let (cube, cross) = (f64::from(weights.cube), f64::from(weights.cross));
+                out = combine(&[
+                    (1.0, &out),
+                    (cube, &self.second_difference(&aa, 0)),
+                    (cube, &self.second_difference(&bb, 1)),
+                    (cross, &self.second_difference(&ba, 0)),
+                    (cross, &self.second_difference(&ab, 1)),
+                ]);
+            }
         }
         out
     }
@@ -116,7 +126,7 @@ fn combine(terms: &[(f64, &Values)]) -> Values {
 }
 
 impl WallOperator {
-    /// Works out the rows near the walls of `mask` for a scheme with `weights` and stencil `radius` (1 or 2).
+    /// Works out the rows near the walls of `mask` for a scheme with `weights` and stencil `radius` (1 to 3).
     pub fn new(mask: &SolidMask, weights: &Weights, radius: usize) -> Self {
         let (nx, ny) = (mask.nx, mask.ny);
         let open = SolidMask {

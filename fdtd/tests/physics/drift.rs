@@ -5,10 +5,10 @@
 //! Bias: rounding is a random walk. Without the restoring quantum its double sum would move the mean by more than the sound.
 //! Tolerance: 1e-3 of the energy; the mean below 1 % of the root mean square.
 
-use crate::energy::{closed_rig, energy};
 use crate::rig::DT_S;
 use fdtd::field::Field;
 use fdtd::scheme::Scheme;
+use fdtd::validation::room::{closed_rig, energy};
 use std::f64::consts::TAU;
 
 #[test]

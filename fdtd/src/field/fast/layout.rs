@@ -3,14 +3,14 @@
 //! A row is cut in three: a strip at low x and one at high x in plain order, which hold the absorbing layers, and
 //! between them the *centre* in lane-transposed order: cut into as many equal lanes as a vector has numbers, vector `j`
 //! holds the `j`-th cell of every lane. There the neighbour along x is the neighbouring vector, so that every load is aligned and vectors pass
-//! from column to column in registers. Each part has a halo of two cells (vectors) that repeats its neighbours.
+//! from column to column in registers. Each part has a halo of cells (vectors) that repeats its neighbours.
 
 /// Lanes of vectors of 256 bits, the narrowest in use.
 pub(super) const NARROW: usize = 8;
 /// Lanes of vectors of 512 bits.
 pub(super) const WIDE: usize = 16;
-/// Vectors of halo on each side of the centre, and rows of rim below and above the grid.
-pub(super) const HALO: usize = 2;
+/// Narrowest halo.
+const HALO: usize = 2;
 /// Narrowest strip that is worth a part of its own.
 const STRIP: usize = 24;
 
@@ -20,6 +20,8 @@ pub(super) struct RowLayout {
     pub(super) nx: usize,
     /// Cells per vector: [`NARROW`] or [`WIDE`].
     pub(super) lanes: usize,
+    /// Vectors of halo on each side of the centre, and rows of rim below and above the grid: what the stencil reaches.
+    pub(super) halo: usize,
     /// Cells of the low strip.
     pub(super) low: usize,
     /// Vectors of the centre; zero in narrow grids, where the low strip is the whole row.
@@ -34,18 +36,20 @@ pub(super) struct RowLayout {
 }
 
 impl RowLayout {
-    /// Layout of rows of `nx` cells with absorbing layers `layer` cells wide, in vectors of `lanes` cells.
-    pub(super) fn new(nx: usize, layer: usize, lanes: usize) -> Self {
+    /// Layout of rows of `nx` cells with absorbing layers `layer` cells wide, in vectors of `lanes` cells, for a stencil of
+    /// `radius`.
+    pub(super) fn new(nx: usize, layer: usize, lanes: usize, radius: usize) -> Self {
+        let halo = radius.max(HALO);
         let strip = layer.max(STRIP).next_multiple_of(lanes);
         let centre = nx.saturating_sub(2 * strip) / lanes;
-        let (low, centre, high) = if centre < 2 * HALO {
+        let (low, centre, high) = if centre < 2 * halo {
             (nx, 0, 0)
         } else {
             (strip, centre, nx - strip - lanes * centre)
         };
         let low_at = lanes;
-        let centre_at = low_at + low.next_multiple_of(lanes) + (1 + HALO) * lanes;
-        let high_at = centre_at + (centre + HALO + 1) * lanes;
+        let centre_at = low_at + low.next_multiple_of(lanes) + (1 + halo) * lanes;
+        let high_at = centre_at + (centre + halo + 1) * lanes;
         let end = high_at + high.next_multiple_of(lanes) + lanes;
         let mut stride = end.next_multiple_of(2 * lanes) + lanes;
         if stride % 1024 < 2 * lanes {
@@ -54,6 +58,7 @@ impl RowLayout {
         Self {
             nx,
             lanes,
+            halo,
             low,
             centre,
             high,
@@ -94,19 +99,19 @@ impl RowLayout {
         }
         let (first, last) = (
             self.centre_at,
-            self.centre_at + (self.centre - HALO) * LANES,
+            self.centre_at + (self.centre - self.halo) * LANES,
         );
         let after = self.centre_at + self.centre * LANES;
-        for h in 0..HALO {
+        for h in 0..self.halo {
             // Strips see the lanes next to them.
             row[self.low_at + self.low + h] = row[first + h * LANES];
-            row[self.high_at - HALO + h] = row[last + h * LANES + LANES - 1];
+            row[self.high_at - self.halo + h] = row[last + h * LANES + LANES - 1];
             // Lane l continues in lane l + 1; the outer lanes continue in the strips.
             let (from_low, from_high) = (
-                row[self.low_at + self.low - HALO + h],
+                row[self.low_at + self.low - self.halo + h],
                 row[self.high_at + h],
             );
-            let before = self.centre_at - HALO * LANES + h * LANES;
+            let before = self.centre_at - (self.halo - h) * LANES;
             // Whole vectors, read one cell off: cell by cell would wait for stores that loads cannot be forwarded from.
             let tail = last + h * LANES - 1;
             row.copy_within(tail..tail + LANES, before);
@@ -140,11 +145,15 @@ mod tests {
 
     #[test]
     fn packing_is_a_permutation_and_halos_repeat_the_neighbours() {
-        for (nx, lanes) in [30, 64, 87, 88, 97, 151, 1000]
-            .into_iter()
-            .flat_map(|nx| [(nx, NARROW), (nx, WIDE)])
-        {
-            let layout = RowLayout::new(nx, 20, lanes);
+        for (nx, lanes, radius) in [30, 64, 87, 88, 97, 151, 1000].into_iter().flat_map(|nx| {
+            [
+                (nx, NARROW, 2),
+                (nx, WIDE, 2),
+                (nx, NARROW, 3),
+                (nx, WIDE, 3),
+            ]
+        }) {
+            let layout = RowLayout::new(nx, 20, lanes, radius);
             let plain: Vec<f32> = (1..=nx).map(|i| i as f32).collect();
             let mut row = vec![0.0; layout.stride];
             layout.pack(&plain, &mut row);
@@ -163,7 +172,7 @@ mod tests {
                 let in_centre =
                     (layout.low..layout.low + lanes * layout.centre).contains(&(ix as usize));
                 let step = if in_centre { lanes } else { 1 };
-                for d in 1..=HALO {
+                for d in 1..=layout.halo {
                     assert_eq!(
                         row[offset + d * step],
                         at(ix + d as isize),

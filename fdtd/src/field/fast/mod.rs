@@ -2,13 +2,12 @@
 //!
 //! * `layout`: lane-transposed rows, so that loads are aligned and shared between columns.
 //! * `tiles`: time blocks of strips and triangles, so that threads meet twice per block.
-//! * `vector`: eight or sixteen numbers of an instruction set;
-//! * `kernel`: the sweeps, a wavefront of short blocks of rows that keeps the rows of all steps of a block in cache.
+//! * `kernel`: the sweeps, a wavefront of short blocks of rows that keeps the rows of all steps of a block in cache, and the
+//!   vectors of eight or sixteen numbers they are written with.
 
 mod kernel;
 mod layout;
 mod tiles;
-mod vector;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -20,7 +19,7 @@ pub use kernel::InstructionSet;
 pub(in crate::field) use kernel::with_avx2;
 
 use self::kernel::Shared;
-use self::layout::{HALO, RowLayout};
+use self::layout::RowLayout;
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows};
 use crate::pml::Profile;
 use crate::spread::TAPS;
@@ -136,8 +135,13 @@ impl FastField {
                 .build()
                 .expect("the operating system gives threads")
         });
-        let layout = RowLayout::new(setup.nx, setup.layer.width(), instructions.lanes());
-        let numbers = (setup.ny + 2 * HALO) * layout.stride;
+        let layout = RowLayout::new(
+            setup.nx,
+            setup.layer.width(),
+            instructions.lanes(),
+            setup.scheme.radius(),
+        );
+        let numbers = (setup.ny + 2 * layout.halo) * layout.stride;
         let cells = setup.layer.cells();
         let plan = Plan::new(setup, layout, instructions);
         Self {
@@ -188,8 +192,8 @@ impl FastField {
     }
 
     fn row<'a>(&self, level: &'a Level, iy: usize) -> &'a [f32] {
-        let stride = self.plan.layout.stride;
-        &level.numbers()[(iy + HALO) * stride..(iy + HALO + 1) * stride]
+        let (stride, halo) = (self.plan.layout.stride, self.plan.layout.halo);
+        &level.numbers()[(iy + halo) * stride..(iy + halo + 1) * stride]
     }
 }
 
@@ -279,7 +283,8 @@ impl Field for FastField {
             (&mut self.other, &state.previous),
         ] {
             assert_eq!(plain.len(), nx * ny, "state of another grid");
-            let rows = level.numbers_mut()[HALO * layout.stride..].chunks_exact_mut(layout.stride);
+            let rows =
+                level.numbers_mut()[layout.halo * layout.stride..].chunks_exact_mut(layout.stride);
             for (from, to) in plain.chunks_exact(nx).zip(rows) {
                 layout.pack(from, to);
             }

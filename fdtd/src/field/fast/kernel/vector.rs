@@ -1,11 +1,8 @@
 //! Vectors of numbers: what the sweeps need of an instruction set.
-#![expect(
-    unsafe_code,
-    reason = "vector instructions and loads through raw pointers; every function states what its caller promises"
-)]
+//! Loads and stores go through raw pointers; every function states what its caller promises.
 
-use super::super::stencil::Number;
-use super::layout::{NARROW, WIDE};
+use super::super::super::stencil::Number;
+use super::super::layout::{NARROW, WIDE};
 
 /// A few numbers in registers.
 pub(super) trait Vector: Number {

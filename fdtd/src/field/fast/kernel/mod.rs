@@ -1,36 +1,47 @@
-//! The unsafe heart of the fast engine: sweeps over rows through raw pointers.
+//! The unsafe heart of the fast engine: sweeps over rows through raw pointers. Nothing outside this folder is unsafe.
+//!
+//! * here: who runs which rows of which step, and all of a step but the plain stencil;
+//! * `sweep`, `slf`, `m13`, `d25`: the plain stencils;
+//! * `vector`: eight or sixteen numbers of an instruction set.
 //!
 //! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same
 //! time, which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said
 //! in `tiles`: which rows a tile reads and writes, and that no two tiles of a phase touch the same row in
 //! conflicting ways. All pointers stay inside the buffers because the layout gives every row a halo of
-//! `HALO` vectors and the buffers a rim of `HALO` rows.
+//! vectors and the buffers a rim of rows as wide as the stencil reaches.
 #![expect(
     unsafe_code,
     reason = "disjoint rows of shared buffers; see the module's text"
 )]
 
+mod d25;
+mod m13;
+mod slf;
+mod sweep;
+mod vector;
+
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use self::d25::D25;
+use self::m13::M13;
+use self::slf::Slf;
+use self::sweep::Sweep;
+#[cfg(target_arch = "x86_64")]
+use self::vector::{Avx, Avx512};
+use self::vector::{Plain, Vector};
 use super::super::StepForcing;
 use super::super::layer_row;
 use super::super::stencil::{Number, Splat, layer};
-use super::layout::{HALO, NARROW, WIDE};
+use super::layout::{NARROW, WIDE};
 use super::tiles::Tile;
-#[cfg(target_arch = "x86_64")]
-use super::vector::{Avx, Avx512};
-use super::vector::{Plain, Vector};
 use super::{Line, Plan};
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
 
-/// Rows that the leapfrog sweep holds in registers together.
-const HELD: usize = 4;
-
 /// The buffers of a field as the tiles of one time block see them.
 #[derive(Clone, Copy)]
 pub(super) struct Shared {
-    /// Level of the first step, and the past that it overwrites; both start at grid row `-HALO`.
+    /// Level of the first step, and the past that it overwrites; both start at the first row of the rim.
     pub(super) levels: [*mut f32; 2],
     /// Layer memory along x, `[iy, 6, width]`.
     pub(super) layer_x: *mut f32,
@@ -128,13 +139,24 @@ pub(super) unsafe fn run_tile(
             #[cfg(target_arch = "x86_64")]
             (InstructionSet::Avx512, Scheme::Slf) => avx512_slf(plan, shared, tile, steps, sums),
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx512, Scheme::M13) => avx512_m13(plan, shared, tile, steps, sums),
+            (InstructionSet::Avx512, Scheme::M13 | Scheme::O13) => {
+                avx512_m13(plan, shared, tile, steps, sums);
+            }
+            #[cfg(target_arch = "x86_64")]
+            (InstructionSet::Avx512, Scheme::D25) => avx512_d25(plan, shared, tile, steps, sums),
             #[cfg(target_arch = "x86_64")]
             (InstructionSet::Avx2, Scheme::Slf) => avx2_slf(plan, shared, tile, steps, sums),
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx2, Scheme::M13) => avx2_m13(plan, shared, tile, steps, sums),
+            (InstructionSet::Avx2, Scheme::M13 | Scheme::O13) => {
+                avx2_m13(plan, shared, tile, steps, sums);
+            }
+            #[cfg(target_arch = "x86_64")]
+            (InstructionSet::Avx2, Scheme::D25) => avx2_d25(plan, shared, tile, steps, sums),
             (_, Scheme::Slf) => sweep_tile::<Plain, Slf>(plan, shared, tile, steps, sums),
-            (_, Scheme::M13) => sweep_tile::<Plain, M13>(plan, shared, tile, steps, sums),
+            (_, Scheme::M13 | Scheme::O13) => {
+                sweep_tile::<Plain, M13>(plan, shared, tile, steps, sums);
+            }
+            (_, Scheme::D25) => sweep_tile::<Plain, D25>(plan, shared, tile, steps, sums),
         }
     }
 }
@@ -157,8 +179,10 @@ macro_rules! instantiate {
 }
 instantiate!(avx512_slf, Avx512, Slf, "avx512f,avx512vl,avx2,fma");
 instantiate!(avx512_m13, Avx512, M13, "avx512f,avx512vl,avx2,fma");
+instantiate!(avx512_d25, Avx512, D25, "avx512f,avx512vl,avx2,fma");
 instantiate!(avx2_slf, Avx, Slf, "avx2,fma");
 instantiate!(avx2_m13, Avx, M13, "avx2,fma");
+instantiate!(avx2_d25, Avx, D25, "avx2,fma");
 
 /// Runs `work` compiled for AVX2 with fused multiply-add.
 ///
@@ -176,263 +200,6 @@ pub(in crate::field) fn with_avx2<R>(work: impl FnOnce() -> R) -> R {
     );
     // SAFETY: just checked.
     unsafe { inside(work) }
-}
-
-/// A scheme's sweep over some rows of one part of the rows.
-trait Sweep<V: Vector> {
-    /// Rows that a step of the wavefront takes together.
-    const ROWS: usize;
-    /// Cells of the centre that these rows take one after the other: all they touch then stays in the first-level cache,
-    /// and each vector comes from the second level once per block.
-    const CHUNK: usize;
-
-    /// `now` and `next` point to the first cell of the first row's part, `vectors` long; `ahead` is the distance of the
-    /// next cell along x in memory.
-    ///
-    /// # Safety
-    /// Rows `-2..rows + 2` of `now` and rows `0..rows` of `next`, each with two cells to both sides, must be inside
-    /// the buffers and free for this thread.
-    unsafe fn rows(
-        weights: &Splat<V>,
-        now: *const f32,
-        next: *mut f32,
-        stride: usize,
-        ahead: usize,
-        vectors: usize,
-        rows: usize,
-    );
-
-    /// What the absorbing layer takes the second difference of at the cells from `at` on, with neighbours `along` the
-    /// absorbed axis and `across` it that far away in memory.
-    ///
-    /// # Safety
-    /// The cells and these neighbours must be readable.
-    unsafe fn layered(weights: &Splat<V>, at: *const f32, along: usize, across: usize) -> V;
-}
-
-struct Slf;
-struct M13;
-
-impl<V: Vector> Sweep<V> for Slf {
-    #[inline(always)]
-    unsafe fn layered(_: &Splat<V>, at: *const f32, _: usize, _: usize) -> V {
-        // SAFETY: the caller's promise.
-        unsafe { V::load(at) }
-    }
-
-    const ROWS: usize = 8;
-    const CHUNK: usize = 480;
-
-    #[inline(always)]
-    unsafe fn rows(
-        w: &Splat<V>,
-        now: *const f32,
-        next: *mut f32,
-        stride: usize,
-        ahead: usize,
-        vectors: usize,
-        rows: usize,
-    ) {
-        // SAFETY: the caller's promise covers every offset used here.
-        unsafe {
-            let mut done = 0;
-            while ahead == V::LANES && done + HELD <= rows {
-                let (now, next) = (now.add(done * stride), next.add(done * stride));
-                let row = |i: usize| now.add(i * stride);
-                let mut here: [V; HELD] = std::array::from_fn(|i| V::load(row(i)));
-                for j in 0..vectors {
-                    let at = j * V::LANES;
-                    let east: [V; HELD] =
-                        std::array::from_fn(|i| V::load(row(i).add(at + V::LANES)));
-                    let south = V::load(now.add(at).sub(stride));
-                    let north = V::load(row(HELD).add(at));
-                    for i in 0..HELD {
-                        let below = if i == 0 { south } else { here[i - 1] };
-                        let above = if i + 1 == HELD { north } else { here[i + 1] };
-                        let target = next.add(i * stride + at);
-                        let west = V::load(row(i).add(at).sub(V::LANES));
-                        w.slf(here[i], [west, east[i]], [below, above], V::load(target))
-                            .store(target);
-                    }
-                    here = east;
-                }
-                done += HELD;
-            }
-            for i in done..rows {
-                let (row, target) = (now.add(i * stride), next.add(i * stride));
-                for j in 0..vectors {
-                    let at = row.add(j * V::LANES);
-                    let sides = [V::load(at.sub(ahead)), V::load(at.add(ahead))];
-                    let ends = [V::load(at.sub(stride)), V::load(at.add(stride))];
-                    let target = target.add(j * V::LANES);
-                    w.slf(V::load(at), sides, ends, V::load(target))
-                        .store(target);
-                }
-            }
-        }
-    }
-}
-
-impl<V: Vector> Sweep<V> for M13 {
-    #[inline(always)]
-    unsafe fn layered(w: &Splat<V>, at: *const f32, along: usize, across: usize) -> V {
-        // SAFETY: the caller's promise.
-        unsafe {
-            w.m13_layer(
-                V::load(at),
-                [V::load(at.sub(along)), V::load(at.add(along))],
-                [V::load(at.sub(across)), V::load(at.add(across))],
-            )
-        }
-    }
-
-    const ROWS: usize = 16;
-    const CHUNK: usize = 240;
-
-    #[inline(always)]
-    unsafe fn rows(
-        w: &Splat<V>,
-        now: *const f32,
-        next: *mut f32,
-        stride: usize,
-        ahead: usize,
-        vectors: usize,
-        rows: usize,
-    ) {
-        // SAFETY: the caller's promise covers every offset used here.
-        unsafe {
-            let mut done = 0;
-            while V::MANY && ahead == V::LANES && done + 2 <= rows {
-                let at = done * stride;
-                m13_pair(w, now.add(at), next.add(at), stride, vectors);
-                done += 2;
-            }
-            for i in done..rows {
-                let (row, target) = (now.add(i * stride), next.add(i * stride));
-                let vertical =
-                    |at: *const f32| V::load(at.sub(stride)).add(V::load(at.add(stride)));
-                if ahead == V::LANES {
-                    let mut here: [V; 4] =
-                        std::array::from_fn(|k| V::load(row.sub(2 * V::LANES).add(k * V::LANES)));
-                    let mut upright = vertical(row);
-                    let mut columns = [
-                        w.m13_column(here[1], vertical(row.sub(V::LANES))),
-                        w.m13_column(here[2], upright),
-                    ];
-                    for j in 0..vectors {
-                        let at = row.add(j * V::LANES);
-                        let beyond = V::load(at.add(2 * V::LANES));
-                        let next_upright = vertical(at.add(V::LANES));
-                        let column = w.m13_column(here[3], next_upright);
-                        let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
-                        let target = target.add(j * V::LANES);
-                        w.m13(
-                            here[2],
-                            upright,
-                            [columns[0], column],
-                            [here[0], beyond],
-                            ends,
-                            V::load(target),
-                        )
-                        .store(target);
-                        here = [here[1], here[2], here[3], beyond];
-                        upright = next_upright;
-                        columns = [columns[1], column];
-                    }
-                } else {
-                    for j in 0..vectors {
-                        let at = row.add(j * V::LANES);
-                        let column = |at: *const f32| w.m13_column(V::load(at), vertical(at));
-                        let columns = [column(at.sub(ahead)), column(at.add(ahead))];
-                        let sides = [V::load(at.sub(2 * ahead)), V::load(at.add(2 * ahead))];
-                        let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
-                        let target = target.add(j * V::LANES);
-                        w.m13(
-                            V::load(at),
-                            vertical(at),
-                            columns,
-                            sides,
-                            ends,
-                            V::load(target),
-                        )
-                        .store(target);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// The 13-point sweep over two rows of the centre: each row's cells are the other's neighbours, so that a pair of
-/// vectors takes eight loads instead of twelve.
-///
-/// # Safety
-/// As [`Sweep::rows`] for two rows.
-#[inline(always)]
-unsafe fn m13_pair<V: Vector>(
-    w: &Splat<V>,
-    now: *const f32,
-    next: *mut f32,
-    stride: usize,
-    vectors: usize,
-) {
-    // SAFETY: the caller's promise covers every offset used here.
-    unsafe {
-        let back = now.sub(2 * V::LANES);
-        let (south, north) = (now.sub(stride), now.add(2 * stride));
-        let (far_south, far_north) = (south.sub(stride), north.add(stride));
-        let mut lower: [V; 4] = std::array::from_fn(|k| V::load(back.add(k * V::LANES)));
-        let mut upper: [V; 4] =
-            std::array::from_fn(|k| V::load(back.add(stride).add(k * V::LANES)));
-        let west = [south, north].map(|row| V::load(row.sub(V::LANES)));
-        let mut beside = [south, north].map(|row| V::load(row));
-        let mut upright = [beside[0].add(upper[2]), lower[2].add(beside[1])];
-        let mut columns = [
-            [
-                w.m13_column(lower[1], west[0].add(upper[1])),
-                w.m13_column(lower[2], upright[0]),
-            ],
-            [
-                w.m13_column(upper[1], lower[1].add(west[1])),
-                w.m13_column(upper[2], upright[1]),
-            ],
-        ];
-        for j in 0..vectors {
-            let at = j * V::LANES;
-            let beyond = [now, now.add(stride)].map(|row| V::load(row.add(at + 2 * V::LANES)));
-            let east = [south, north].map(|row| V::load(row.add(at + V::LANES)));
-            let rising = [east[0].add(upper[3]), lower[3].add(east[1])];
-            let column = [
-                w.m13_column(lower[3], rising[0]),
-                w.m13_column(upper[3], rising[1]),
-            ];
-            let target = next.add(at);
-            w.m13(
-                lower[2],
-                upright[0],
-                [columns[0][0], column[0]],
-                [lower[0], beyond[0]],
-                [V::load(far_south.add(at)), beside[1]],
-                V::load(target),
-            )
-            .store(target);
-            let target = target.add(stride);
-            w.m13(
-                upper[2],
-                upright[1],
-                [columns[1][0], column[1]],
-                [upper[0], beyond[1]],
-                [beside[0], V::load(far_north.add(at))],
-                V::load(target),
-            )
-            .store(target);
-            lower = [lower[1], lower[2], lower[3], beyond[0]];
-            upper = [upper[1], upper[2], upper[3], beyond[1]];
-            columns = [[columns[0][1], column[0]], [columns[1][1], column[1]]];
-            upright = rising;
-            beside = east;
-        }
-    }
 }
 
 /// All steps of a tile: a wavefront of short row blocks, step after step, each one radius behind the one before.
@@ -499,12 +266,12 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     let width = plan.setup.layer.width();
     let courant2 = V::splat(plan.setup.courant2);
     let narrow = Splat::<V::Narrow>::new(&plan.setup.weights);
-    // SAFETY: rows lie in the grid, and the buffers have HALO rows more on both sides; within a row every offset comes
+    // SAFETY: rows lie in the grid, and the buffers have a rim of rows on both sides; within a row every offset comes
     // from the layout. The caller promises that nobody else touches what is written here.
     unsafe {
         let now_base = shared.levels[step % 2].cast_const();
         let next_base = shared.levels[(step + 1) % 2];
-        let at = (rows.start + HALO) * stride;
+        let at = (rows.start + layout.halo) * stride;
         let parts = [
             (layout.low_at, 1, layout.low.div_ceil(V::LANES)),
             (layout.centre_at, V::LANES, layout.centre),
@@ -526,7 +293,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             }
         }
         for iy in rows {
-            let at = (iy + HALO) * stride;
+            let at = (iy + layout.halo) * stride;
             let now = now_base.add(at);
             let next = next_base.add(at);
             if let (Some(decay), Some(layer)) =

@@ -1,0 +1,111 @@
+//! How fast sound travels on the grid: error of phase and group velocity over frequency, by direction, per scheme.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::axes::{Axes, TITLE};
+use super::axis::Axis;
+use super::canvas::{self, Marker, Stroke};
+use super::colour;
+use super::legend::{Entry, legend};
+use crate::table::Table;
+
+/// Data files that the figure is drawn from.
+pub(crate) const NEEDS: [&str; 2] = ["dispersion.csv", "phase_velocity.csv"];
+
+/// Line of a scheme along a direction.
+fn stroke(scheme: &str, angle_deg: &str) -> Stroke {
+    let shade = match scheme {
+        "slf" => colour::VERMILLION,
+        "m13" => colour::BLUE,
+        _ => colour::BLACK,
+    };
+    let dashes: &[f64] = match angle_deg {
+        "0" => &[],
+        "22.5" => &[20.0, 9.0],
+        _ => &[5.0, 9.0],
+    };
+    Stroke::solid(shade, 4.0).dashed(dashes)
+}
+
+/// Draws the figure.
+///
+/// # Errors
+/// When a data file is missing or damaged, or the picture cannot be written.
+pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
+    let table = Table::read(&data.join(NEEDS[0]))?;
+    let measured = Table::read(&data.join(NEEDS[1]))?;
+    let schemes = table.distinct("scheme")?;
+    let angles = table.distinct("angle_deg")?;
+    canvas::draw(picture, 1800, 1040, |sheet| {
+        let title = "The grid slows sound down, by a factor of frequency, direction and scheme";
+        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        let panels = [
+            ("phase_error", 140.0, [-3.0, 0.5], "(a) phase velocity"),
+            (
+                "group_error",
+                1030.0,
+                [-9.0, 1.5],
+                "(b) group velocity: what delays echoes",
+            ),
+        ];
+        for (column, left, range, name) in panels {
+            let axes = Axes::new(
+                sheet,
+                [left, 235.0, left + 730.0, 920.0],
+                Axis::new(0.0, 19.0, "frequency [kHz]"),
+                Axis::new(range[0], range[1], "error of the speed of sound [%]"),
+            );
+            axes.grid()?;
+            for scheme in &schemes {
+                let rows = table.only("scheme", scheme)?;
+                for angle in &angles {
+                    let rows = rows.only("angle_deg", angle)?;
+                    let errors = rows.numbers(column)?.into_iter().map(|error| 100.0 * error);
+                    let points: Vec<(f64, f64)> = rows
+                        .numbers("frequency_hz")?
+                        .into_iter()
+                        .map(|frequency_hz| 1e-3 * frequency_hz)
+                        .zip(errors)
+                        .collect();
+                    axes.curve(&points, stroke(scheme, angle))?;
+                }
+                if column == "phase_error" {
+                    let rows = measured.only("scheme", scheme)?;
+                    let points: Vec<(f64, f64)> = rows
+                        .numbers("frequency_hz")?
+                        .into_iter()
+                        .map(|frequency_hz| 1e-3 * frequency_hz)
+                        .zip(
+                            rows.numbers("phase_error")?
+                                .into_iter()
+                                .map(|error| 100.0 * error),
+                        )
+                        .collect();
+                    let shade = stroke(scheme, "0").colour;
+                    axes.markers(&points, Marker::Disc, 17.0, shade)?;
+                }
+            }
+            axes.finish(name)?;
+        }
+        let mut entries: Vec<Entry> = schemes
+            .iter()
+            .map(|scheme| Entry::line(stroke(scheme, "0"), scheme))
+            .collect();
+        entries.extend(angles.iter().map(|angle| {
+            let line = Stroke {
+                colour: colour::GREY,
+                ..stroke("d25", angle)
+            };
+            Entry::line(line, &format!("{angle}\u{b0} to an axis"))
+        }));
+        entries.push(Entry {
+            stroke: None,
+            marker: Some((Marker::Disc, colour::GREY)),
+            text: "measured on the field".to_string(),
+        });
+        legend(sheet, [140.0, 80.0], 1640.0, &entries)?;
+        Ok(())
+    })
+}

@@ -1,0 +1,255 @@
+//! The field against laws of physics: runs them, and writes table, data and figure.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use anyhow::Result;
+use fdtd::scheme::Scheme;
+use fdtd::validation::rig::{AIR, DT_S, DX_M};
+use fdtd::validation::{Depth, LAWS, Measurement, dispersion};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::atomic;
+use crate::check::aligned;
+use crate::figures;
+use crate::interrupt;
+use crate::progress::Board;
+use crate::provenance::Provenance;
+use crate::table::{Table, cell};
+
+/// Directions of the curves of the dispersion relation, degrees.
+const ANGLES_DEG: [f64; 3] = [0.0, 22.5, 45.0];
+
+/// One line of the table.
+#[derive(Debug, Clone, Serialize)]
+pub struct Row {
+    /// The law.
+    pub law: &'static str,
+    /// What was measured.
+    #[serde(flatten)]
+    pub measurement: Measurement,
+    /// Whether it is within its range.
+    pub passed: bool,
+}
+
+/// Measures all laws; several run side by side, the order of the rows does not depend on it.
+///
+/// # Errors
+/// When a field becomes non-finite, or [`interrupt::Interrupted`].
+pub fn run(depth: Depth) -> Result<Vec<Row>> {
+    let board = Board::new();
+    let task = board.task("validate", LAWS.len() as u64);
+    let done = std::sync::atomic::AtomicU64::new(0);
+    let found: Vec<Result<Vec<Row>>> = LAWS
+        .par_iter()
+        .map(|law| {
+            interrupt::check()?;
+            let measurements = (law.measure)(depth)?;
+            task.set(1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
+            Ok(measurements
+                .into_iter()
+                .map(|measurement| Row {
+                    law: law.name,
+                    passed: measurement.passed(),
+                    measurement,
+                })
+                .collect())
+        })
+        .collect();
+    task.finish();
+    let mut rows = Vec::new();
+    for part in found {
+        rows.extend(part?);
+    }
+    Ok(rows)
+}
+
+/// A number for the table: three significant digits.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if size >= 100.0 {
+        cell(value, 0)
+    } else if size >= 0.01 {
+        cell(value, 3)
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+/// What a measurement may be, in words.
+fn tolerance(measurement: &Measurement) -> String {
+    match (measurement.least, measurement.most) {
+        (Some(least), Some(most)) if least == -most => format!("\u{b1} {}", number(most)),
+        (Some(least), Some(most)) => format!("{} to {}", number(least), number(most)),
+        (None, Some(most)) => format!("< {}", number(most)),
+        (Some(least), None) => format!("> {}", number(least)),
+        (None, None) => String::new(),
+    }
+}
+
+fn verdict(row: &Row) -> &'static str {
+    match (row.measurement.informative, row.passed) {
+        (true, _) => "shown",
+        (false, true) => "passed",
+        (false, false) => "FAILED",
+    }
+}
+
+/// The cells of the table, headings first.
+fn cells(rows: &[Row]) -> Vec<Vec<String>> {
+    let mut cells = vec![
+        [
+            "law",
+            "case",
+            "quantity",
+            "tolerance",
+            "measured",
+            "verdict",
+        ]
+        .map(String::from)
+        .to_vec(),
+    ];
+    cells.extend(rows.iter().map(|row| {
+        vec![
+            row.law.to_string(),
+            row.measurement.case.clone(),
+            row.measurement.quantity.to_string(),
+            tolerance(&row.measurement),
+            number(row.measurement.measured),
+            verdict(row).to_string(),
+        ]
+    }));
+    cells
+}
+
+/// The rows as an aligned table.
+pub fn table(rows: &[Row]) -> String {
+    aligned(&cells(rows))
+}
+
+/// Curves of the dispersion relation on the papers' grid.
+fn curves() -> Table {
+    let header = [
+        "scheme",
+        "angle_deg",
+        "frequency_hz",
+        "phase_error",
+        "group_error",
+    ];
+    let mut table = Table::new(header);
+    for scheme in Scheme::ALL {
+        let grid = scheme.polynomial(AIR.c_mps * DT_S / DX_M);
+        for angle_deg in ANGLES_DEG {
+            for step in 1..=76 {
+                let frequency_hz = 250.0 * f64::from(step);
+                let (omega_dt, angle_rad) = (TAU * frequency_hz * DT_S, angle_deg.to_radians());
+                let velocities = grid
+                    .phase_velocity(omega_dt, angle_rad)
+                    .zip(grid.group_velocity(omega_dt, angle_rad));
+                if let Some((phase, group)) = velocities {
+                    table.push([
+                        scheme.to_string(),
+                        angle_deg.to_string(),
+                        cell(frequency_hz, 0),
+                        cell(phase - 1.0, 7),
+                        cell(group - 1.0, 7),
+                    ]);
+                }
+            }
+        }
+    }
+    table
+}
+
+/// Phase velocities measured on the field.
+fn measured(depth: Depth) -> Result<Table> {
+    let header = ["scheme", "angle_deg", "frequency_hz", "phase_error"];
+    let mut table = Table::new(header);
+    for velocity in dispersion::all(depth)? {
+        table.push([
+            velocity.scheme.to_string(),
+            cell(velocity.angle_rad.to_degrees(), 1),
+            cell(velocity.frequency_hz, 0),
+            cell(velocity.expected * (1.0 + velocity.error) - 1.0, 7),
+        ]);
+    }
+    Ok(table)
+}
+
+/// Writes `validation.json`, `table.md` and the data of the figure into `folder`.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write(rows: &[Row], depth: Depth, folder: &Path) -> Result<()> {
+    let full = depth == Depth::Full;
+    let json = serde_json::json!({
+        "full": full, "provenance": Provenance::here(), "measurements": rows,
+    });
+    atomic::write(
+        &folder.join("validation.json"),
+        &serde_json::to_vec_pretty(&json)?,
+    )?;
+    let mut text = String::new();
+    for (index, row) in cells(rows).iter().enumerate() {
+        text.push_str(&format!("| {} |\n", row.join(" | ")));
+        if index == 0 {
+            text.push_str(&format!("|{}\n", "---|".repeat(row.len())));
+        }
+    }
+    atomic::write(&folder.join("table.md"), text.as_bytes())?;
+    let data = folder.join("data");
+    curves().write(&data.join("dispersion.csv"))?;
+    measured(depth)?.write(&data.join("phase_velocity.csv"))
+}
+
+/// Draws the figure from the data in `folder`.
+///
+/// # Errors
+/// When the data is missing or damaged, or the picture cannot be written.
+pub fn draw(folder: &Path) -> Result<std::path::PathBuf> {
+    let picture = folder.join("figures").join("fig_dispersion.png");
+    figures::dispersion::draw(&folder.join("data"), &picture)?;
+    Ok(picture)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tolerances_and_verdicts_are_said_in_words() {
+        let row = |measurement: Measurement| Row {
+            law: "law",
+            passed: measurement.passed(),
+            measurement,
+        };
+        let good = row(Measurement::within("case".into(), "level, dB", 0.02, 0.1));
+        let bad = row(Measurement::below(
+            "case".into(),
+            "reflection, dB",
+            -20.0,
+            -60.0,
+        ));
+        let nan = row(Measurement::within(
+            "case".into(),
+            "level, dB",
+            f64::NAN,
+            0.1,
+        ));
+        let beside = row(Measurement::shown("case".into(), "level, dB", 7.0));
+        assert_eq!(
+            [&good, &bad, &nan, &beside].map(verdict),
+            ["passed", "FAILED", "FAILED", "shown"]
+        );
+        assert_eq!(tolerance(&good.measurement), "\u{b1} 0.100");
+        assert_eq!(tolerance(&bad.measurement), "< -60.000");
+        assert!(table(&[good]).contains("passed"));
+    }
+
+    #[test]
+    fn the_curves_hold_every_scheme() {
+        let table = curves();
+        assert_eq!(table.distinct("scheme").unwrap(), ["slf", "m13", "o13", "d25"]);
+    }
+}

@@ -1,0 +1,175 @@
+//! The 25-point scheme's sweep.
+//!
+//! In the centre a column's cells are loaded once and what they give to the seven columns around them is added to seven
+//! running sums, west to east: sixteen arithmetic operations and eight loads per vector instead of 27 and 26.
+
+use super::super::super::stencil::Splat;
+use super::sweep::Sweep;
+use super::vector::Vector;
+
+/// The 25-point sweep.
+pub(super) struct D25;
+
+impl<V: Vector> Sweep<V> for D25 {
+    #[inline(always)]
+    unsafe fn layered(w: &Splat<V>, at: *const f32, along: usize, across: usize) -> V {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let pair = |d: usize| [V::load(at.sub(d)), V::load(at.add(d))];
+            let (below, above) = (at.sub(along), at.add(along));
+            w.d25_layer(
+                V::load(at),
+                [pair(along), pair(2 * along)],
+                pair(across),
+                [below, above].map(|p| [V::load(p.sub(across)), V::load(p.add(across))]),
+            )
+        }
+    }
+
+    const ROWS: usize = 16;
+    const CHUNK: usize = 480;
+
+    #[inline(always)]
+    unsafe fn rows(
+        w: &Splat<V>,
+        now: *const f32,
+        next: *mut f32,
+        stride: usize,
+        ahead: usize,
+        vectors: usize,
+        rows: usize,
+    ) {
+        // SAFETY: the caller's promise covers every offset used here.
+        unsafe {
+            for i in 0..rows {
+                let (row, target) = (now.add(i * stride), next.add(i * stride));
+                if ahead == V::LANES {
+                    centre_row(w, row, target, stride, vectors);
+                    continue;
+                }
+                for j in 0..vectors {
+                    let at = row.add(j * V::LANES);
+                    let far_west = sides(w, at.sub(2 * ahead), stride);
+                    let west = sides(w, at.sub(ahead), stride);
+                    let east = sides(w, at.add(ahead), stride);
+                    let far_east = sides(w, at.add(2 * ahead), stride);
+                    let target = target.add(j * V::LANES);
+                    let sum = w.d25_first(V::load(at.sub(3 * ahead)), V::load(target));
+                    let sum = sum.add(far_west[1]).add(west[0]);
+                    let verticals = verticals(at, stride);
+                    let sum = w.d25_own(V::load(at), verticals, sum);
+                    let sum = sum.add(east[0]).add(far_east[1]);
+                    w.d25_last(V::load(at.add(3 * ahead)), sum).store(target);
+                }
+            }
+        }
+    }
+}
+
+/// Sum of the cells `rows` below and above.
+///
+/// # Safety
+/// Both must be readable.
+#[inline(always)]
+unsafe fn vertical<V: Vector>(at: *const f32, rows: usize) -> V {
+    // SAFETY: the caller's promise.
+    unsafe { V::load(at.sub(rows)).add(V::load(at.add(rows))) }
+}
+
+/// Sums of the cells one, two and three rows below and above.
+///
+/// # Safety
+/// All must be readable.
+#[inline(always)]
+unsafe fn verticals<V: Vector>(at: *const f32, stride: usize) -> [V; 3] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        [
+            vertical(at, stride),
+            vertical(at, 2 * stride),
+            vertical(at, 3 * stride),
+        ]
+    }
+}
+
+/// What a column gives to the columns beside it. A function, not a closure: a closure that is not inlined would call every
+/// vector instruction as a function.
+///
+/// # Safety
+/// The column's cells up to two rows away must be readable.
+#[inline(always)]
+unsafe fn sides<V: Vector>(w: &Splat<V>, at: *const f32, stride: usize) -> [V; 2] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        w.d25_sides(
+            V::load(at),
+            [vertical(at, stride), vertical(at, 2 * stride)],
+        )
+    }
+}
+
+/// One row of the centre.
+///
+/// # Safety
+/// As [`Sweep::rows`] for one row.
+#[inline(always)]
+unsafe fn centre_row<V: Vector>(
+    w: &Splat<V>,
+    row: *const f32,
+    target: *mut f32,
+    stride: usize,
+    vectors: usize,
+) {
+    // SAFETY: the caller's promise covers every offset used here; `target` is read up to three vectors beyond the end, where
+    // its halo is, and written inside only.
+    unsafe {
+        let column = |j: isize| row.offset(j * V::LANES as isize);
+        let here = |j: isize| V::load(column(j));
+        let past = |j: isize| V::load(target.offset(j * V::LANES as isize));
+        // sums[k] belongs to column j + k - 3 when column j comes.
+        let mut sums = [here(0); 6];
+        let west = sides(w, column(-1), stride);
+        sums[3] = w
+            .d25_first(here(-3), past(0))
+            .add(sides(w, column(-2), stride)[1])
+            .add(west[0]);
+        sums[4] = w.d25_first(here(-2), past(1)).add(west[1]);
+        sums[5] = w.d25_first(here(-1), past(2));
+        let end = vectors as isize;
+        for j in 0..end {
+            let at = column(j);
+            let own = V::load(at);
+            let verticals = verticals(at, stride);
+            let [beside, beyond] = w.d25_sides(own, [verticals[0], verticals[1]]);
+            let done = w.d25_last(own, sums[0]);
+            if j >= 3 {
+                done.store(target.offset((j - 3) * V::LANES as isize));
+            }
+            sums = [
+                sums[1].add(beyond),
+                sums[2].add(beside),
+                w.d25_own(own, verticals, sums[3]),
+                sums[4].add(beside),
+                sums[5].add(beyond),
+                w.d25_first(own, past(j + 3)),
+            ];
+        }
+        let east = sides(w, column(end), stride);
+        let rest = [
+            w.d25_last(here(end), sums[0]),
+            w.d25_last(here(end + 1), sums[1].add(east[1])),
+            w.d25_last(
+                here(end + 2),
+                sums[2]
+                    .add(east[0])
+                    .add(sides(w, column(end + 1), stride)[1]),
+            ),
+        ];
+        for (k, sum) in rest.into_iter().enumerate() {
+            let j = end - 3 + k as isize;
+            if j >= 0 {
+                sum.store(target.offset(j * V::LANES as isize));
+            }
+        }
+    }
+}

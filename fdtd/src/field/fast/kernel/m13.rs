@@ -1,0 +1,170 @@
+//! The 13-point scheme's sweep.
+
+use super::super::super::stencil::Splat;
+use super::sweep::Sweep;
+use super::vector::Vector;
+
+/// The 13-point sweep.
+pub(super) struct M13;
+
+impl<V: Vector> Sweep<V> for M13 {
+    #[inline(always)]
+    unsafe fn layered(w: &Splat<V>, at: *const f32, along: usize, across: usize) -> V {
+        // SAFETY: the caller's promise.
+        unsafe {
+            w.m13_layer(
+                V::load(at),
+                [V::load(at.sub(along)), V::load(at.add(along))],
+                [V::load(at.sub(across)), V::load(at.add(across))],
+            )
+        }
+    }
+
+    const ROWS: usize = 16;
+    const CHUNK: usize = 240;
+
+    #[inline(always)]
+    unsafe fn rows(
+        w: &Splat<V>,
+        now: *const f32,
+        next: *mut f32,
+        stride: usize,
+        ahead: usize,
+        vectors: usize,
+        rows: usize,
+    ) {
+        // SAFETY: the caller's promise covers every offset used here.
+        unsafe {
+            let mut done = 0;
+            while V::MANY && ahead == V::LANES && done + 2 <= rows {
+                let at = done * stride;
+                m13_pair(w, now.add(at), next.add(at), stride, vectors);
+                done += 2;
+            }
+            for i in done..rows {
+                let (row, target) = (now.add(i * stride), next.add(i * stride));
+                let vertical =
+                    |at: *const f32| V::load(at.sub(stride)).add(V::load(at.add(stride)));
+                if ahead == V::LANES {
+                    let mut here: [V; 4] =
+                        std::array::from_fn(|k| V::load(row.sub(2 * V::LANES).add(k * V::LANES)));
+                    let mut upright = vertical(row);
+                    let mut columns = [
+                        w.m13_column(here[1], vertical(row.sub(V::LANES))),
+                        w.m13_column(here[2], upright),
+                    ];
+                    for j in 0..vectors {
+                        let at = row.add(j * V::LANES);
+                        let beyond = V::load(at.add(2 * V::LANES));
+                        let next_upright = vertical(at.add(V::LANES));
+                        let column = w.m13_column(here[3], next_upright);
+                        let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
+                        let target = target.add(j * V::LANES);
+                        w.m13(
+                            here[2],
+                            upright,
+                            [columns[0], column],
+                            [here[0], beyond],
+                            ends,
+                            V::load(target),
+                        )
+                        .store(target);
+                        here = [here[1], here[2], here[3], beyond];
+                        upright = next_upright;
+                        columns = [columns[1], column];
+                    }
+                } else {
+                    for j in 0..vectors {
+                        let at = row.add(j * V::LANES);
+                        let column = |at: *const f32| w.m13_column(V::load(at), vertical(at));
+                        let columns = [column(at.sub(ahead)), column(at.add(ahead))];
+                        let sides = [V::load(at.sub(2 * ahead)), V::load(at.add(2 * ahead))];
+                        let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
+                        let target = target.add(j * V::LANES);
+                        w.m13(
+                            V::load(at),
+                            vertical(at),
+                            columns,
+                            sides,
+                            ends,
+                            V::load(target),
+                        )
+                        .store(target);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The 13-point sweep over two rows of the centre: each row's cells are the other's neighbours, so that a pair of
+/// vectors takes eight loads instead of twelve.
+///
+/// # Safety
+/// As [`Sweep::rows`] for two rows.
+#[inline(always)]
+unsafe fn m13_pair<V: Vector>(
+    w: &Splat<V>,
+    now: *const f32,
+    next: *mut f32,
+    stride: usize,
+    vectors: usize,
+) {
+    // SAFETY: the caller's promise covers every offset used here.
+    unsafe {
+        let back = now.sub(2 * V::LANES);
+        let (south, north) = (now.sub(stride), now.add(2 * stride));
+        let (far_south, far_north) = (south.sub(stride), north.add(stride));
+        let mut lower: [V; 4] = std::array::from_fn(|k| V::load(back.add(k * V::LANES)));
+        let mut upper: [V; 4] =
+            std::array::from_fn(|k| V::load(back.add(stride).add(k * V::LANES)));
+        let west = [south, north].map(|row| V::load(row.sub(V::LANES)));
+        let mut beside = [south, north].map(|row| V::load(row));
+        let mut upright = [beside[0].add(upper[2]), lower[2].add(beside[1])];
+        let mut columns = [
+            [
+                w.m13_column(lower[1], west[0].add(upper[1])),
+                w.m13_column(lower[2], upright[0]),
+            ],
+            [
+                w.m13_column(upper[1], lower[1].add(west[1])),
+                w.m13_column(upper[2], upright[1]),
+            ],
+        ];
+        for j in 0..vectors {
+            let at = j * V::LANES;
+            let beyond = [now, now.add(stride)].map(|row| V::load(row.add(at + 2 * V::LANES)));
+            let east = [south, north].map(|row| V::load(row.add(at + V::LANES)));
+            let rising = [east[0].add(upper[3]), lower[3].add(east[1])];
+            let column = [
+                w.m13_column(lower[3], rising[0]),
+                w.m13_column(upper[3], rising[1]),
+            ];
+            let target = next.add(at);
+            w.m13(
+                lower[2],
+                upright[0],
+                [columns[0][0], column[0]],
+                [lower[0], beyond[0]],
+                [V::load(far_south.add(at)), beside[1]],
+                V::load(target),
+            )
+            .store(target);
+            let target = target.add(stride);
+            w.m13(
+                upper[2],
+                upright[1],
+                [columns[1][0], column[1]],
+                [upper[0], beyond[1]],
+                [beside[0], V::load(far_north.add(at))],
+                V::load(target),
+            )
+            .store(target);
+            lower = [lower[1], lower[2], lower[3], beyond[0]];
+            upper = [upper[1], upper[2], upper[3], beyond[1]];
+            columns = [[columns[0][1], column[0]], [columns[1][1], column[1]]];
+            upright = rising;
+            beside = east;
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! What a scheme's sweep is to the wavefront.
+
+use super::super::super::stencil::Splat;
+use super::vector::Vector;
+
+/// A scheme's sweep over some rows of one part of the rows.
+pub(super) trait Sweep<V: Vector> {
+    /// Rows that a step of the wavefront takes together.
+    const ROWS: usize;
+    /// Cells of the centre that these rows take one after the other: all they touch then stays in the first-level cache,
+    /// and each vector comes from the second level once per block.
+    const CHUNK: usize;
+
+    /// `now` and `next` point to the first cell of the first row's part, `vectors` long; `ahead` is the distance of the
+    /// next cell along x in memory.
+    ///
+    /// # Safety
+    /// As many rows and cells beyond these as the stencil reaches, of `now`, and rows `0..rows` of `next` with as many cells
+    /// to both sides must be inside the buffers and free for this thread.
+    unsafe fn rows(
+        weights: &Splat<V>,
+        now: *const f32,
+        next: *mut f32,
+        stride: usize,
+        ahead: usize,
+        vectors: usize,
+        rows: usize,
+    );
+
+    /// What the absorbing layer takes the second difference of at the cells from `at` on, with neighbours `along` the
+    /// absorbed axis and `across` it that far away in memory.
+    ///
+    /// # Safety
+    /// The cells and these neighbours must be readable.
+    unsafe fn layered(weights: &Splat<V>, at: *const f32, along: usize, across: usize) -> V;
+}

@@ -1,0 +1,140 @@
+//! Laws of physics that the field is held against, as measurements: what the tests assert and `echolot validate` prints.
+//!
+//! Each file measures one kind of law and says layout, formula, known bias and tolerance at its top. A measurement is a number with the
+//! range that it may have.
+
+pub mod diffraction;
+pub mod direct_method;
+pub mod dispersion;
+pub mod echo;
+pub mod free_field;
+pub mod layer;
+pub mod rig;
+pub mod room;
+
+use serde::Serialize;
+
+use crate::Error;
+use crate::scheme::Scheme;
+
+/// How much is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Depth {
+    /// Every law, few cases.
+    Quick,
+    /// All cases.
+    Full,
+}
+
+/// A number and the range that a law leaves it.
+#[derive(Debug, Clone, Serialize)]
+pub struct Measurement {
+    /// What was looked at, e.g. `d25, 60 degrees`.
+    pub case: String,
+    /// What was measured, with its unit.
+    pub quantity: &'static str,
+    /// The number.
+    pub measured: f64,
+    /// Smallest value allowed; absent for none.
+    pub least: Option<f64>,
+    /// Largest value allowed; absent for none.
+    pub most: Option<f64>,
+    /// Whether this number is shown for comparison only.
+    pub informative: bool,
+}
+
+impl Measurement {
+    /// A number that may be off zero by `tolerance` to both sides.
+    pub fn within(case: String, quantity: &'static str, measured: f64, tolerance: f64) -> Self {
+        Self {
+            least: Some(-tolerance),
+            ..Self::below(case, quantity, measured, tolerance)
+        }
+    }
+
+    /// A number that may be at most `most`.
+    pub fn below(case: String, quantity: &'static str, measured: f64, most: f64) -> Self {
+        Self {
+            case,
+            quantity,
+            measured,
+            least: None,
+            most: Some(most),
+            informative: false,
+        }
+    }
+
+    /// A number shown beside the others, whatever it is.
+    pub fn shown(case: String, quantity: &'static str, measured: f64) -> Self {
+        Self {
+            most: None,
+            informative: true,
+            ..Self::below(case, quantity, measured, 0.0)
+        }
+    }
+
+    /// Whether the number is in its range; never for what is not a number.
+    pub fn passed(&self) -> bool {
+        !self.measured.is_nan()
+            && self.least.is_none_or(|least| self.measured >= least)
+            && self.most.is_none_or(|most| self.measured <= most)
+    }
+}
+
+/// A law: its name and how it is measured.
+#[derive(Debug, Clone, Copy)]
+pub struct Law {
+    /// Name in the table.
+    pub name: &'static str,
+    /// Measures it.
+    pub measure: fn(Depth) -> Result<Vec<Measurement>, Error>,
+}
+
+/// All laws, in the table's order.
+pub const LAWS: [Law; 10] = [
+    Law {
+        name: "line source in free field, at rest and moving",
+        measure: free_field::measure,
+    },
+    Law {
+        name: "direct method: level and sidebands",
+        measure: direct_method::measure,
+    },
+    Law {
+        name: "echo of a wall: image source",
+        measure: echo::measure_image,
+    },
+    Law {
+        name: "two parallel walls: time scale 1",
+        measure: echo::measure_parallel,
+    },
+    Law {
+        name: "absorbing layer",
+        measure: layer::measure,
+    },
+    Law {
+        name: "modes of a rigid box",
+        measure: room::measure_modes,
+    },
+    Law {
+        name: "energy between rigid walls",
+        measure: room::measure_energy,
+    },
+    Law {
+        name: "reciprocity",
+        measure: free_field::measure_reciprocity,
+    },
+    Law {
+        name: "dispersion relation",
+        measure: dispersion::measure,
+    },
+    Law {
+        name: "order of convergence",
+        measure: room::measure_order,
+    },
+];
+
+/// The schemes that a law goes through.
+fn schemes() -> impl Iterator<Item = Scheme> {
+    Scheme::ALL.into_iter()
+}

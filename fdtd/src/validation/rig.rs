@@ -1,0 +1,216 @@
+//! The rig of all laws: a grid with a source and a receiver on any paths, as the simulation runs it.
+
+use crate::Error;
+use crate::exact::monopole::Monopole;
+use crate::field::{FastField, FieldSetup, StepForcing};
+use crate::grid::{Grid, Medium};
+use crate::scheme::Scheme;
+use crate::simulation::{Domain, Drive, Flow, Simulation, SimulationOptions};
+use crate::spread::Spread;
+use crate::walls::SolidMask;
+use rustfft::num_complex::Complex;
+use std::f64::consts::TAU;
+
+/// The papers' medium.
+pub const AIR: Medium = Medium {
+    c_mps: 340.0,
+    rho_kgpm3: 1.293,
+};
+
+/// The papers' grid step.
+pub const DX_M: f64 = 0.005;
+
+/// The papers' time step.
+pub const DT_S: f64 = 1.0 / 120_000.0;
+
+/// A position in metres at a time in seconds.
+pub type Path<'a> = &'a dyn Fn(f64) -> [f64; 2];
+
+/// A grid, its scheme, its layer and its walls.
+#[derive(Clone)]
+pub struct Rig {
+    /// Scheme.
+    pub scheme: Scheme,
+    /// Spreading of source and receiver.
+    pub spread: Spread,
+    /// Width of the absorbing layers.
+    pub layer_cells: usize,
+    /// Rigid walls.
+    pub mask: SolidMask,
+}
+
+impl Rig {
+    /// An empty grid of `nx` by `ny` cells with the papers' step and a layer of 20 cells.
+    pub fn open(scheme: Scheme, nx: usize, ny: usize) -> Self {
+        Self {
+            scheme,
+            spread: Spread::Kaiser12,
+            layer_cells: 20,
+            mask: SolidMask {
+                nx,
+                ny,
+                cells: vec![false; nx * ny],
+            },
+        }
+    }
+
+    /// The grid with the cells solid whose indices `(ix, iy)` satisfy `solid`.
+    pub fn with_walls(mut self, solid: impl Fn(usize, usize) -> bool) -> Self {
+        let nx = self.mask.nx;
+        for (cell, value) in self.mask.cells.iter_mut().enumerate() {
+            *value = solid(cell % nx, cell / nx);
+        }
+        self
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> Grid {
+        Grid {
+            nx: self.mask.nx,
+            ny: self.mask.ny,
+            dx_m: DX_M,
+            dt_s: DT_S,
+        }
+    }
+
+    /// Its Courant number.
+    pub fn courant(&self) -> f64 {
+        self.grid().courant(&AIR)
+    }
+
+    /// All that is simulated.
+    pub fn domain(&self) -> Domain {
+        Domain {
+            grid: self.grid(),
+            medium: AIR,
+            scheme: self.scheme,
+            spread: self.spread,
+            layer_cells: self.layer_cells,
+            mask: self.mask.clone(),
+        }
+    }
+
+    /// A silent field on one thread.
+    pub fn field(&self) -> FastField {
+        let setup = FieldSetup::new(
+            &self.grid(),
+            &AIR,
+            self.scheme,
+            self.layer_cells,
+            &self.mask,
+        );
+        FastField::new(setup, 1)
+    }
+
+    /// A source of a strength in m^2/s and a receiver for `steps` steps.
+    pub fn drive(
+        &self,
+        source: Path<'_>,
+        receiver: Path<'_>,
+        strength: &dyn Fn(f64) -> f64,
+        steps: usize,
+    ) -> Drive {
+        let table = |path: Path<'_>| -> Vec<[f64; 2]> {
+            (0..=steps).map(|n| path(n as f64 * DT_S)).collect()
+        };
+        let at = move |t_s: f64| ((t_s / DT_S).round() as usize).min(steps);
+        let (source, receiver) = (table(source), table(receiver));
+        let strength: Vec<f64> = (0..=steps).map(|n| strength(n as f64 * DT_S)).collect();
+        let [source, receiver] =
+            [source, receiver].map(|table| Box::new(move |t_s: f64| table[at(t_s)]));
+        Drive::new(
+            &self.domain(),
+            source,
+            receiver,
+            Box::new(move |t_s| strength[at(t_s)]),
+            false,
+        )
+    }
+
+    /// `steps` steps with a source at rest.
+    pub fn sounding(
+        &self,
+        source_m: [f64; 2],
+        strength: &dyn Fn(f64) -> f64,
+        steps: usize,
+    ) -> Vec<StepForcing> {
+        let mut drive = self.drive(&|_| source_m, &|_| source_m, strength, steps);
+        (0..steps as u64).map(|step| drive.forcing(step)).collect()
+    }
+
+    /// `steps` steps without a source.
+    pub fn silence(&self, steps: usize) -> Vec<StepForcing> {
+        self.sounding(
+            centre_m(self.mask.nx / 2, self.mask.ny / 2),
+            &|_| 0.0,
+            steps,
+        )
+    }
+
+    /// Pressure at the receiver after each of `steps` steps; entry `n` is at time `(n + 1) dt`.
+    ///
+    /// # Errors
+    /// When the field becomes non-finite.
+    pub fn run(
+        &self,
+        source: Path<'_>,
+        receiver: Path<'_>,
+        strength: &dyn Fn(f64) -> f64,
+        steps: usize,
+    ) -> Result<Vec<f64>, Error> {
+        let drive = self.drive(source, receiver, strength, steps);
+        let options = SimulationOptions {
+            threads: 1,
+            ..SimulationOptions::default()
+        };
+        let duration_s = steps as f64 * DT_S;
+        let mut simulation =
+            Simulation::from_parts(self.domain(), drive, duration_s, 40e3, 19e3, &options)?;
+        simulation.run(&mut |_, _| Flow::Continue)?;
+        Ok(simulation.received()[1..=steps]
+            .iter()
+            .map(|&p| f64::from(p))
+            .collect())
+    }
+}
+
+/// Time of entry `n` of [`Rig::run`].
+pub fn time_s(n: usize) -> f64 {
+    (n + 1) as f64 * DT_S
+}
+
+/// A source on a path, exactly, at the times of [`Rig::run`].
+pub fn exact(source: &Monopole<'_>, receiver: Path<'_>, steps: usize) -> Vec<f64> {
+    (0..steps)
+        .map(|n| source.pressure(receiver(time_s(n)), time_s(n)))
+        .collect()
+}
+
+/// Centre of a cell in metres.
+pub fn centre_m(ix: usize, iy: usize) -> [f64; 2] {
+    [(ix as f64 + 0.5) * DX_M, (iy as f64 + 0.5) * DX_M]
+}
+
+/// Fourier coefficient of a signal of [`Rig::run`] at a frequency, not normalised.
+pub fn line(signal: &[f64], frequency_hz: f64) -> Complex<f64> {
+    signal
+        .iter()
+        .enumerate()
+        .map(|(n, &p)| Complex::from_polar(p, -TAU * frequency_hz * time_s(n)))
+        .sum()
+}
+
+/// Root of the sum of squares.
+pub fn norm(signal: &[f64]) -> f64 {
+    signal.iter().map(|p| p * p).sum::<f64>().sqrt()
+}
+
+/// Entry by entry.
+pub fn difference(one: &[f64], other: &[f64]) -> Vec<f64> {
+    one.iter().zip(other).map(|(a, b)| a - b).collect()
+}
+
+/// Ratio in decibels.
+pub fn decibels(ratio: f64) -> f64 {
+    20.0 * ratio.log10()
+}

@@ -1,0 +1,95 @@
+//! Whatever the walls, the operator's spectrum stays within what the step allows.
+//!
+//! Layout: the closed room of the energy test, 64 x 64 cells, at the largest Courant number of each scheme and at half of it.
+//! Formula: `-L v = 2 v - p'` for the step from `p = v`, `p'' = 0`; its largest eigenvalue by power iteration, the smallest by that of its difference to 4.
+//! Bias: power iteration approaches from inside.
+//! Tolerance: at most [`fdtd::scheme::Polynomial::largest_eigenvalue`] (4 for slf and m13), at least 0, rounding 1e-5.
+
+use crate::rig::{AIR, DX_M};
+use fdtd::field::{Field, FieldSetup, FieldState, Injection, ReferenceField, StepForcing};
+use fdtd::grid::Grid;
+use fdtd::scheme::Scheme;
+use fdtd::spread::Spread;
+use fdtd::validation::room::closed_rig;
+
+/// Rayleigh quotient after `turns` of power iteration with `-L` (or `4 + L` when `mirrored`).
+fn extreme(setup: &FieldSetup, fluid: &[bool], mirrored: bool, turns: usize) -> f64 {
+    let silent = Spread::Bilinear.stencil([30.0, 30.0]);
+    let still = Injection {
+        stencil: silent,
+        amplitude: 0.0,
+    };
+    let step = [StepForcing {
+        injections: [still; 2],
+        receiver: silent,
+    }];
+    let mut field = ReferenceField::new(setup.clone());
+    let blank = field.state();
+    let mut v: Vec<f64> = (0..fluid.len())
+        .map(|cell| {
+            if fluid[cell] {
+                ((cell * 7919) % 1013) as f64 / 1013.0 - 0.5
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    let mut quotient = 0.0;
+    for _ in 0..turns {
+        let size = v.iter().map(|p| p * p).sum::<f64>().sqrt();
+        v.iter_mut().for_each(|p| *p /= size);
+        field.set_state(&FieldState {
+            pressure: v.iter().map(|&p| p as f32).collect(),
+            previous: vec![0.0; v.len()],
+            ..blank.clone()
+        });
+        field.advance(&step, &mut Vec::new());
+        let next: Vec<f64> = field
+            .state()
+            .pressure
+            .iter()
+            .zip(&v)
+            .map(|(&after, before)| {
+                let minus_l = 2.0 * before - f64::from(after);
+                if mirrored {
+                    4.0 * before - minus_l
+                } else {
+                    minus_l
+                }
+            })
+            .collect();
+        quotient = next.iter().zip(&v).map(|(a, b)| a * b).sum();
+        v = next;
+    }
+    if mirrored { 4.0 - quotient } else { quotient }
+}
+
+#[test]
+fn the_spectrum_with_walls_is_within_the_bound() {
+    for scheme in Scheme::ALL {
+        for part in [0.9999, 0.5] {
+            let courant = part * scheme.max_courant();
+            let rig = closed_rig(scheme, 64);
+            let grid = Grid {
+                dt_s: courant * DX_M / AIR.c_mps,
+                ..rig.grid()
+            };
+            let setup = FieldSetup::new(&grid, &AIR, scheme, 0, &rig.mask);
+            let fluid: Vec<bool> = rig.mask.cells.iter().map(|solid| !solid).collect();
+            let largest = extreme(&setup, &fluid, false, 400);
+            let smallest = extreme(&setup, &fluid, true, 400);
+            let bound = match scheme {
+                Scheme::O13 | Scheme::D25 => scheme
+                    .polynomial(courant)
+                    .largest_eigenvalue()
+                    .expect("a stable scheme"),
+                Scheme::Slf | Scheme::M13 => 4.0,
+            };
+            println!(
+                "spectrum, {scheme} at {courant:.4}: {smallest:.2e} to {largest:.4}, bound {bound:.4}"
+            );
+            assert!(largest < bound + 1e-5, "{scheme}: {largest} over {bound}");
+            assert!(smallest > -1e-5, "{scheme}: {smallest}");
+        }
+    }
+}

@@ -20,8 +20,10 @@ const MOST_THREADS: usize = 1024;
 
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  echolot bench --cells 1000x1000 --threads 2\n\n\
-    Without --json it also times the localizer's steps and writes results/bench/: bench.json, localizer.json, roofline.png.")]
+#[command(
+    after_help = "Example:\n  echolot bench --cells 1000x1000 --threads 2\n\n\
+    Without --json it also times the localizer's steps and writes results/bench/: bench.json, localizer.json, roofline.png."
+)]
 pub(crate) struct Arguments {
     /// One grid instead of squares from 256 to 8000 cells.
     #[arg(long, value_name = "NXxNY")]

@@ -192,7 +192,11 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let shades: Vec<Entry> = grids
             .iter()
             .map(|&((nx, ny), shade)| {
-                let name = if nx == ny { format!("{nx}\u{b2}") } else { format!("{nx} \u{d7} {ny}") };
+                let name = if nx == ny {
+                    format!("{nx}\u{b2}")
+                } else {
+                    format!("{nx} \u{d7} {ny}")
+                };
                 marked(Marker::Disc, shade, name)
             })
             .collect();

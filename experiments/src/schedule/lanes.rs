@@ -124,9 +124,6 @@ mod tests {
         assert_eq!(faster(&[100.0, 100.0], rates(10.0, 4.0)).0, 1);
         // A short job leaves its lane idle while the long one runs on half of the threads.
         assert_eq!(faster(&[100.0, 10.0], rates(10.0, 6.0)).0, 1);
-        assert_eq!(
-            faster(&[60.0, 60.0], rates(10.0, 6.0)),
-            (2, [12.0, 10.0])
-        );
+        assert_eq!(faster(&[60.0, 60.0], rates(10.0, 6.0)), (2, [12.0, 10.0]));
     }
 }

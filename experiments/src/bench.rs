@@ -4,6 +4,7 @@
 
 pub mod localizer;
 pub mod peaks;
+mod stopwatch;
 pub mod subnormal;
 
 use std::time::Instant;

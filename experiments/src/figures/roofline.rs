@@ -133,7 +133,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         )?;
         let axes = Axes::new(
             sheet,
-            [170.0, 360.0, 1750.0, 1120.0],
+            [170.0, 300.0, 1750.0, 1120.0],
             Axis::logarithmic(
                 0.2,
                 5.0,
@@ -166,7 +166,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             .zip(strokes)
             .map(|(peak, stroke)| {
                 let text = format!(
-                    "roofs of {} thread(s): memory {:.0} GB/s, first-level cache {:.0} GB/s, peak {:.0} Gflop/s",
+                    "roofs, {} thread(s): memory {:.0} GB/s, first-level cache {:.0} GB/s, peak {:.0} Gflop/s",
                     peak.threads, peak.memory_gbps, peak.l1_load_gbps, peak.fma_gflops
                 );
                 Entry::line(stroke, &text)

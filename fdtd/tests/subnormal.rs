@@ -74,9 +74,9 @@ fn subnormal_numbers_run_ahead_of_the_front_and_are_gone_behind_it() {
     for scheme in Scheme::ALL {
         let mut field = field(scheme);
         let mut received = Vec::new();
-        field.advance(&tone(0, 80), &mut received);
+        field.advance(&tone(0, 100), &mut received);
         let ahead = share(&field);
-        field.advance(&tone(80, 2400), &mut received);
+        field.advance(&tone(100, 2400), &mut received);
         let behind = share(&field);
         println!(
             "{scheme}: {:.3} % ahead, {:.5} % behind",

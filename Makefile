@@ -30,8 +30,8 @@ check: ## formatting, lints, tests
 	cargo clippy --release --workspace --all-targets -- -D warnings
 	cargo test --release --workspace
 
-bench: ## benchmarks and the speed of the engines (results/bench)
-	cargo bench --workspace
+bench: ## benchmarks and the speed of the engines (results/bench); BENCH="--measurement-time 1" is quicker
+	cargo bench --workspace -- $(BENCH)
 	$(ECHOLOT) bench
 
 bless: ## make the present quick results the baseline of the regression gate

@@ -1,5 +1,11 @@
 //! Speed of the field engines on a case with everything on: layers on four sides, slanted rigid walls, moving source and
-//! receiver with eight-point spreading.
+//! receiver with eight-point spreading. Beside it: the machine's [`peaks`], data in the [`subnormal`] range, and the steps of
+//! the [`localizer`].
+
+pub mod localizer;
+pub mod peaks;
+mod stopwatch;
+pub mod subnormal;
 
 use std::time::Instant;
 
@@ -12,6 +18,7 @@ use fdtd::walls::SolidMask;
 use serde::Serialize;
 
 use crate::interrupt;
+use peaks::Peaks;
 
 /// Cells of the absorbing layers.
 const LAYER_CELLS: usize = 20;
@@ -43,7 +50,7 @@ pub struct Row {
     pub flops_per_cell: f64,
     /// Bytes that a cell moves to and from memory where nothing stays in the caches: two pressures read, one written.
     pub bytes_per_cell: f64,
-    /// Arithmetic over the measured peak of as many threads with vectors of eight.
+    /// Arithmetic over the measured peak of as many threads.
     pub peak_fraction: f64,
     /// Speed per thread over that of the reference in the same run.
     pub ratio_per_thread: f64,
@@ -133,7 +140,8 @@ fn time(
     }
 }
 
-/// Measures all schemes and engines on one grid; `peak_gflops` is the peak of one thread ([`fdtd::field::probe`]), and `told` hears each row as it is done.
+/// Measures all schemes and engines on one grid beside the `peaks` of as many threads (NaN where they were not measured);
+/// `told` hears each row as it is done.
 ///
 /// # Errors
 /// [`interrupt::Interrupted`] on request.
@@ -145,7 +153,7 @@ pub fn measure(
     ny: usize,
     steps: Option<usize>,
     threads: &[usize],
-    peak_gflops: f64,
+    peaks: &[Peaks],
     mut told: impl FnMut(&Row),
 ) -> Result<Vec<Row>> {
     let forcing = forcing(nx, ny);
@@ -163,6 +171,7 @@ pub fn measure(
             if threads.is_none() {
                 base = rate;
             }
+            let peak_gflops = peaks::of(peaks, count).map_or(f64::NAN, |peak| peak.fma_gflops);
             let row = Row {
                 engine: if threads.is_none() {
                     "reference"
@@ -177,7 +186,7 @@ pub fn measure(
                 gcells_per_s: rate,
                 flops_per_cell: flops(scheme),
                 bytes_per_cell: 12.0,
-                peak_fraction: flops(scheme) * rate / (peak_gflops * count as f64),
+                peak_fraction: flops(scheme) * rate / peak_gflops,
                 ratio_per_thread: rate / count as f64 / base,
             };
             told(&row);

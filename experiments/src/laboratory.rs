@@ -29,8 +29,8 @@ pub struct Request {
     pub engine: Engine,
     /// Parameters of the localizer where the preset does not set them.
     pub parameters: Parameters,
-    /// Simulations side by side.
-    pub side_by_side: usize,
+    /// Simulations side by side; none to measure what is faster.
+    pub side_by_side: Option<usize>,
 }
 
 /// Everything that the studies of one run share.
@@ -51,7 +51,7 @@ pub struct Laboratory {
     pub threads: usize,
     results: PathBuf,
     engine: Engine,
-    side_by_side: usize,
+    side_by_side: Option<usize>,
     prints: Mutex<HashMap<String, String>>,
     maps: Mutex<HashMap<String, Arc<MapImage>>>,
 }

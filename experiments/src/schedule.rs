@@ -1,5 +1,7 @@
 //! Several simulations side by side: each on its share of the threads, the longest first, all resumable.
 
+mod lanes;
+
 use std::collections::VecDeque;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -93,7 +95,8 @@ pub fn estimate(scene: &Scene, take: &Take, threads: usize) -> Result<Estimate> 
     })
 }
 
-/// Simulates the jobs and puts their recordings into the cache, at most `side_by_side` at a time on `threads` threads in all.
+/// Simulates the jobs and puts their recordings into the cache, at most `side_by_side` at a time on `threads` threads in all;
+/// without a number, one or two at a time, whichever a short measurement says ends sooner.
 /// Jobs that were interrupted earlier go on where they stopped.
 ///
 /// # Errors
@@ -103,13 +106,17 @@ pub fn run(
     jobs: &[Job],
     cache: &Cache,
     threads: usize,
-    side_by_side: usize,
+    side_by_side: Option<usize>,
     board: &Board,
 ) -> Result<()> {
     if jobs.is_empty() {
         return Ok(());
     }
-    let lanes = side_by_side.clamp(1, jobs.len()).min(threads.max(1));
+    let wanted = match side_by_side {
+        Some(wanted) => wanted,
+        None => lanes::choose(scene, jobs, threads, board)?,
+    };
+    let lanes = wanted.clamp(1, jobs.len()).min(threads.max(1));
     let share = (threads / lanes).max(1);
     let mut seconds_total = 0.0;
     for job in jobs.iter().filter(|job| job.take.engine == Engine::Fdtd) {

@@ -250,6 +250,9 @@ mod tests {
     #[test]
     fn the_curves_hold_every_scheme() {
         let table = curves();
-        assert_eq!(table.distinct("scheme").unwrap(), ["slf", "m13", "o13", "d25"]);
+        assert_eq!(
+            table.distinct("scheme").unwrap(),
+            ["slf", "m13", "o13", "d25"]
+        );
     }
 }

@@ -29,6 +29,18 @@ struct Crop {
     information: Option<f64>,
 }
 
+impl Crop {
+    /// A crop of nothing yet.
+    fn new(pixels: usize) -> Self {
+        Self {
+            centre: [0; 2],
+            bins: vec![0; pixels],
+            marginal: 0.0,
+            information: None,
+        }
+    }
+}
+
 impl Matcher {
     pub(crate) fn new(parameters: &Parameters) -> Self {
         let window = Window::new(parameters, parameters.window_cells());
@@ -38,7 +50,10 @@ impl Matcher {
             tool: MutualInformation::new(parameters.bins, window.len()),
             image: vec![0.0; window.len()],
             echo: vec![0; window.len()],
-            crops: Vec::new(),
+            // As many as there can be cells with particles: made now, a step never has to allocate.
+            crops: (0..parameters.particles)
+                .map(|_| Crop::new(window.len()))
+                .collect(),
             window,
         }
     }
@@ -88,13 +103,8 @@ impl Matcher {
     /// Makes crop number `slot` the one around a world cell.
     fn cut(&mut self, map: &MapImage, centre: [i64; 2], slot: usize) {
         if slot == self.crops.len() {
-            let bins = vec![0; self.window.len()];
-            self.crops.push(Crop {
-                centre,
-                bins,
-                marginal: 0.0,
-                information: None,
-            });
+            // More particles than the parameters said.
+            self.crops.push(Crop::new(self.window.len()));
         }
         let crop = &mut self.crops[slot];
         crop.centre = centre;

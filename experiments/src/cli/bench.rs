@@ -3,21 +3,27 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use fdtd::field::probe;
 
 use super::print_json;
-use crate::bench::{SMALLEST, measure};
-use crate::{atomic, progress::Board};
+use crate::bench::peaks::{self, Peaks};
+use crate::bench::{Row, SMALLEST, localizer, measure, subnormal};
+use crate::{atomic, figures, progress::Board};
 
 /// Sides of the squares measured when no size is given.
 const SIDES: [usize; 6] = [256, 512, 1000, 2000, 4000, 8000];
+
+/// Grid of the comparison of subnormal and normal numbers when no size is given.
+const SUBNORMAL: (usize, usize) = (1000, 1000);
 
 /// More threads than any grid has strips for.
 const MOST_THREADS: usize = 1024;
 
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  echolot bench --cells 1000x1000 --threads 2")]
+#[command(
+    after_help = "Example:\n  echolot bench --cells 1000x1000 --threads 2\n\n\
+    Without --json it also times the localizer's steps and writes results/bench/: bench.json, localizer.json, roofline.png."
+)]
 pub(crate) struct Arguments {
     /// One grid instead of squares from 256 to 8000 cells.
     #[arg(long, value_name = "NXxNY")]
@@ -67,6 +73,23 @@ fn parse(text: &str) -> Result<(usize, usize)> {
     Ok((nx, ny))
 }
 
+/// A row of the table.
+fn line(row: &Row) -> String {
+    format!(
+        "{:9} {} {}x{} {} thread(s): {:.2} Gcell/s, {:.2} x reference per thread, {:.0} % of the peak ({} flop and {} byte a cell)",
+        row.engine,
+        row.scheme,
+        row.nx,
+        row.ny,
+        row.threads,
+        row.gcells_per_s,
+        row.ratio_per_thread,
+        100.0 * row.peak_fraction,
+        row.flops_per_cell,
+        row.bytes_per_cell
+    )
+}
+
 impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
@@ -78,7 +101,6 @@ impl Arguments {
         if let Some(threads) = self.threads.filter(|&threads| threads > MOST_THREADS) {
             bail!("--threads {threads}: should be at most {MOST_THREADS}");
         }
-        let fma = probe::fma_gflops();
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let mut threads = self.threads.map_or_else(|| vec![1, cores], |n| vec![n]);
         threads.dedup();
@@ -87,6 +109,10 @@ impl Arguments {
             None => SIDES.map(|side| (side, side)).to_vec(),
         };
         let board = Board::new();
+        // The plain engine has one thread whatever the fast one has.
+        let mut counts = vec![1];
+        counts.extend(threads.iter().filter(|&&count| count > 1));
+        let peaks: Vec<Peaks> = counts.into_iter().map(peaks::measure).collect();
         let task = board.task("bench", sizes.len() as u64);
         let mut rows = Vec::new();
         for (done, &(nx, ny)) in sizes.iter().enumerate() {
@@ -94,12 +120,9 @@ impl Arguments {
                 board.say(format!("{nx}x{ny}: left out, does not fit into the memory"));
                 continue;
             }
-            rows.extend(measure(nx, ny, self.steps, &threads, fma, |row| {
+            rows.extend(measure(nx, ny, self.steps, &threads, &peaks, |row| {
                 if !json {
-                    board.say(format!(
-                        "{:9} {} {nx}x{ny} {} thread(s): {:.2} Gcell/s, {:.2} x reference per thread, {:.0} % of the FMA peak",
-                        row.engine, row.scheme, row.threads, row.gcells_per_s, row.ratio_per_thread, 100.0 * row.peak_fraction
-                    ));
+                    board.say(line(row));
                 }
             })?);
             task.set(done as u64 + 1);
@@ -108,17 +131,40 @@ impl Arguments {
         if json {
             return print_json(&rows);
         }
-        let memory = probe::load_gbps(256 << 20, 1 << 30);
-        let first_level = probe::load_gbps(16 << 10, 1 << 33);
-        eprintln!(
-            "one thread: {fma:.0} Gflop/s (AVX2 FMA), {first_level:.0} GB/s (L1 loads), {memory:.1} GB/s (memory)"
-        );
-        let data = serde_json::json!({
-            "rows": rows, "fma_gflops": fma, "l1_load_gbps": first_level, "memory_gbps": memory,
-        });
+        for peak in &peaks {
+            board.say(format!(
+                "{} thread(s): {:.0} Gflop/s (fused multiply-adds), {:.0} GB/s (first-level cache), {:.1} GB/s (memory)",
+                peak.threads, peak.fma_gflops, peak.l1_load_gbps, peak.memory_gbps
+            ));
+        }
+        let (nx, ny) = self.cells.as_deref().map_or(Ok(SUBNORMAL), parse)?;
+        let subnormal = subnormal::measure(nx, ny, self.steps)?;
+        for row in &subnormal {
+            board.say(format!(
+                "{} {nx}x{ny} on subnormal numbers: {:.2} times the time of normal ones ({:.2} and {:.2} Gcell/s)",
+                row.scheme, row.time_ratio, row.subnormal_gcells_per_s, row.normal_gcells_per_s
+            ));
+        }
+        let steps = localizer::measure()?;
+        for row in &steps {
+            board.say(format!(
+                "{:12} 1 thread: {:.2} ms running; on the wall median {:.2} ms, 95 % below {:.2} ms; limit {} ms, paper {} ms",
+                row.stage, row.running_ms, row.median_ms, row.p95_ms, row.limit_ms, row.paper_ms
+            ));
+        }
+        let folder = Path::new("results/bench");
+        let data = serde_json::json!({ "rows": rows, "peaks": peaks, "subnormal": subnormal });
         atomic::write(
-            Path::new("results/bench/bench.json"),
+            &folder.join("bench.json"),
             &serde_json::to_vec_pretty(&data)?,
-        )
+        )?;
+        atomic::write(
+            &folder.join("localizer.json"),
+            &serde_json::to_vec_pretty(&steps)?,
+        )?;
+        if let Some(picture) = figures::draw_bench(folder)? {
+            eprintln!("{}", picture.display());
+        }
+        Ok(())
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 
 use super::print_json;
-use crate::figures::{Drawn, draw_all};
+use crate::figures::{Drawn, draw_all, draw_bench};
 use crate::preset::Preset;
 
 /// Arguments of `figures`.
@@ -32,7 +32,8 @@ impl Arguments {
                 self.preset.name()
             );
         }
-        let drawn = draw_all(&folder)?;
+        let mut drawn = draw_all(&folder)?;
+        drawn.extend(draw_bench(&self.results.join("bench"))?.map(Drawn::Picture));
         if json {
             let pictures: Vec<_> = drawn
                 .iter()

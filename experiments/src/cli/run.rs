@@ -37,9 +37,9 @@ pub(crate) struct Arguments {
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
-    /// Simulations that run side by side, each on its share of the threads.
-    #[arg(long, default_value_t = 2, value_name = "N")]
-    side_by_side: usize,
+    /// Simulations that run side by side, each on its share of the threads [default: one or two, measured at the start].
+    #[arg(long, value_name = "N")]
+    side_by_side: Option<usize>,
     /// Leave out the figures.
     #[arg(long)]
     no_figures: bool,

@@ -9,6 +9,8 @@ pub struct Axis {
     pub high: f64,
     /// What it shows, with unit.
     pub label: String,
+    /// Whether `low`, `high` and the data are decimal logarithms of what the ticks show.
+    logarithmic: bool,
 }
 
 impl Axis {
@@ -18,6 +20,15 @@ impl Axis {
             low,
             high: if high > low { high } else { low + 1.0 },
             label: label.to_string(),
+            logarithmic: false,
+        }
+    }
+
+    /// A logarithmic axis from `low` to `high`, both positive: places on it are decimal logarithms.
+    pub fn logarithmic(low: f64, high: f64, label: &str) -> Self {
+        Self {
+            logarithmic: true,
+            ..Self::new(low.log10(), high.log10(), label)
         }
     }
 
@@ -38,6 +49,9 @@ impl Axis {
 
     /// Ticks at round values: (value, text).
     pub fn ticks(&self, about: usize) -> Vec<(f64, String)> {
+        if self.logarithmic {
+            return self.decades();
+        }
         let span = self.high - self.low;
         let rough = span / about.max(1) as f64;
         let power = 10_f64.powf(rough.log10().floor());
@@ -64,6 +78,20 @@ impl Axis {
             })
             .collect()
     }
+
+    /// Ticks at 1, 2 and 5 of every decade.
+    fn decades(&self) -> Vec<(f64, String)> {
+        let decades = self.low.floor() as i32..=self.high.ceil() as i32;
+        decades
+            .flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| (digit, decade)))
+            .map(|(digit, decade)| {
+                let value = digit * 10_f64.powi(decade);
+                let digits = usize::try_from(-decade).unwrap_or(0);
+                (value.log10(), crate::table::cell(value, digits))
+            })
+            .filter(|(place, _)| (self.low - 1e-9..=self.high + 1e-9).contains(place))
+            .collect()
+    }
 }
 
 #[cfg(test)]
@@ -82,6 +110,14 @@ mod tests {
             .collect();
         assert_eq!(texts.first().map(String::as_str), Some("\u{2212}15"));
         assert_eq!(texts.len(), 8);
+    }
+
+    #[test]
+    fn logarithmic_ticks_are_ones_twos_and_fives() {
+        let axis = Axis::logarithmic(0.2, 20.0, "");
+        let (places, texts): (Vec<f64>, Vec<String>) = axis.ticks(6).into_iter().unzip();
+        assert_eq!(texts, ["0.2", "0.5", "1", "2", "5", "10", "20"]);
+        assert!((places[5] - 1.0).abs() < 1e-12);
     }
 
     #[test]

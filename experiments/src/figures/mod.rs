@@ -18,6 +18,7 @@ mod multipath;
 mod noise;
 mod periods;
 mod reflections;
+mod roofline;
 mod scene_and_map;
 mod speeds;
 mod step_time;
@@ -147,6 +148,20 @@ pub fn draw_all(results: &Path) -> Result<Vec<Drawn>> {
             Ok(Drawn::Picture(picture))
         })
         .collect()
+}
+
+/// Draws `roofline.png` from the `bench.json` of `folder`; nothing when there is no such file.
+///
+/// # Errors
+/// When the file is damaged or the picture cannot be written.
+pub fn draw_bench(folder: &Path) -> Result<Option<PathBuf>> {
+    let data = folder.join("bench.json");
+    if !data.exists() {
+        return Ok(None);
+    }
+    let picture = folder.join("roofline.png");
+    roofline::draw(&data, &picture)?;
+    Ok(Some(picture))
 }
 
 /// How a localization method is drawn in every figure: line, marker colour and name.

@@ -203,3 +203,45 @@ fn bench_prints_rows_and_names_bad_flags() {
         assert!(refuse(at, &["bench", flag, "0"]).contains(flag));
     }
 }
+
+#[test]
+fn bench_writes_its_data_and_draws_the_roofline_from_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    expect(at, &["bench", "--cells", "96x96", "--steps", "8"]);
+    let read = |name: &str| -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(at.join("results/bench").join(name)).unwrap())
+            .unwrap()
+    };
+    let bench = read("bench.json");
+    let rows = bench["rows"].as_array().unwrap();
+    assert!(
+        rows.iter().all(|row| row["peak_fraction"].is_f64()),
+        "{bench}"
+    );
+    assert!(
+        bench["peaks"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|peak| peak["memory_gbps"].is_f64())
+    );
+    assert!(
+        bench["subnormal"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|row| row["time_ratio"].is_f64())
+    );
+    let steps = read("localizer.json");
+    let stages: Vec<&str> = steps
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| row["stage"].as_str().unwrap())
+        .collect();
+    assert_eq!(stages, ["doppler_bank", "filter_step"]);
+    assert_eq!(steps[0]["directions"], 30);
+    assert_eq!(steps[1]["particles"], 100);
+    assert!(at.join("results/bench/roofline.png").exists());
+}

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use experiments::atomic;
-use experiments::figures::{Drawn, draw_all};
+use experiments::figures::{Drawn, draw_all, draw_bench};
 use experiments::table::Table;
 
 fn table(path: &Path, text: &str) {
@@ -107,6 +107,31 @@ fn every_figure_is_drawn_and_the_same_each_time() {
     let first = pictures(draw_all(folder.path()).unwrap());
     assert_eq!(first.len(), 13);
     assert_eq!(first, pictures(draw_all(folder.path()).unwrap()));
+}
+
+#[test]
+fn the_roofline_is_drawn_from_the_rows_of_the_benchmark() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(draw_bench(folder.path()).unwrap(), None);
+    let row = |engine: &str, side: usize, threads: usize, speed: f64| {
+        serde_json::json!({"engine": engine, "scheme": "slf", "nx": side, "ny": side, "threads": threads,
+            "gcells_per_s": speed, "flops_per_cell": 7.0, "bytes_per_cell": 12.0})
+    };
+    let peak = |threads: usize| {
+        serde_json::json!({"threads": threads, "fma_gflops": 100.0 * threads as f64,
+            "l1_load_gbps": 200.0 * threads as f64, "memory_gbps": 30.0})
+    };
+    let data = serde_json::json!({"peaks": [peak(1), peak(2)], "rows": [
+        row("reference", 256, 1, 1.0), row("fast", 256, 1, 5.0), row("fast", 1000, 2, 15.0)]});
+    std::fs::write(folder.path().join("bench.json"), data.to_string()).unwrap();
+    let draw = || std::fs::read(draw_bench(folder.path()).unwrap().unwrap()).unwrap();
+    assert_eq!(draw(), draw());
+    std::fs::write(folder.path().join("bench.json"), "{\"rows\": []}").unwrap();
+    let error = format!("{:#}", draw_bench(folder.path()).unwrap_err());
+    assert!(
+        error.contains("bench.json") && error.contains("peaks"),
+        "{error}"
+    );
 }
 
 #[test]

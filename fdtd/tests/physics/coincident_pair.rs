@@ -32,6 +32,7 @@ fn the_direct_wave_does_not_depend_on_the_place_in_the_cell() {
                     let [x, y] = centre_m(50, 50);
                     let point = move |_| [x + place[0], y + place[1]];
                     rig.run(&point, &point, &strength, steps)
+                        .expect("a finite field")
                 })
                 .collect();
             let mean: Vec<f64> = (0..steps)

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 pub use kernel::InstructionSet;
 #[cfg(target_arch = "x86_64")]
-pub(in crate::field) use kernel::with_avx2;
+pub(in crate::field) use kernel::{with_avx2, with_avx512};
 
 use self::kernel::Shared;
 use self::layout::RowLayout;

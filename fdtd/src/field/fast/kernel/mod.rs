@@ -202,6 +202,24 @@ pub(in crate::field) fn with_avx2<R>(work: impl FnOnce() -> R) -> R {
     unsafe { inside(work) }
 }
 
+/// Runs `work` compiled for AVX-512.
+///
+/// # Panics
+/// When the machine has no such instructions.
+#[cfg(target_arch = "x86_64")]
+pub(in crate::field) fn with_avx512<R>(work: impl FnOnce() -> R) -> R {
+    #[target_feature(enable = "avx512f,avx512vl,avx2,fma")]
+    fn inside<R>(work: impl FnOnce() -> R) -> R {
+        work()
+    }
+    assert!(
+        InstructionSet::detect() == InstructionSet::Avx512,
+        "no AVX-512 here"
+    );
+    // SAFETY: just checked.
+    unsafe { inside(work) }
+}
+
 /// All steps of a tile: a wavefront of short row blocks, step after step, each one radius behind the one before.
 ///
 /// # Safety

@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Times numba, Devito and Deepwave on the same work as the fast field engine and prints one table of ratios.
+
+    cargo build --release
+    python3 experiments/peers/compare.py [--cells 1000] [--steps 2000] [--threads 1 2] [--echolot target/release/echolot]
+
+The first run makes a virtual environment beside this file and installs the peers into it (about 6 GB, most of it PyTorch);
+Devito compiles C code and needs gcc. An engine that cannot be installed or fails is left out and named.
+
+Same work: a square f32 field, the five-point leapfrog scheme, no output but a receiver. The engine under test has everything on
+(absorbing layers, walls, moving source and receiver); numba and Devito have a plain box, Deepwave absorbing layers and a fixed
+source. Everything runs in turn on the same machine; best of three.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import venv
+
+HERE = pathlib.Path(__file__).resolve().parent
+ENVIRONMENT = HERE / ".venv"
+PEERS = ["numba", "devito", "deepwave"]
+REPEATS = 3
+
+
+def interpreter():
+    """The virtual environment's Python, made and filled when it is not there."""
+    python = ENVIRONMENT / "bin" / "python"
+    if not python.exists():
+        venv.create(ENVIRONMENT, with_pip=True)
+    wanted = (HERE / "requirements.txt").read_text()
+    for requirement in (line for line in wanted.splitlines() if line and not line.startswith("#")):
+        install = [python, "-m", "pip", "install", "--quiet", requirement]
+        if subprocess.run(install, check=False).returncode != 0:
+            print(f"{requirement}: could not be installed, left out", file=sys.stderr)
+    return python
+
+
+def peer_rate(python, name, cells, steps, threads):
+    """Speed of a peer in Gcell/s, or None when it fails."""
+    count = str(threads)
+    limits = {key: count for key in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "MKL_NUM_THREADS")}
+    run = subprocess.run(
+        [python, HERE / "work.py", name, str(cells), str(steps), count],
+        env={**os.environ, **limits},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if run.returncode != 0:
+        reason = run.stderr.strip().splitlines()
+        print(f"{name}: {reason[-1] if reason else 'failed'}", file=sys.stderr)
+        return None
+    return float(run.stdout.split()[-1])
+
+
+def own_rates(echolot, cells, steps, threads):
+    """Speed of every engine and scheme in Gcell/s, best of three."""
+    command = [echolot, "bench", "--json", "--cells", f"{cells}x{cells}", "--steps", str(steps), "--threads", str(threads)]
+    best = {}
+    for _ in range(REPEATS):
+        rows = json.loads(subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout)
+        for row in rows:
+            key = (f"{row['engine']} {row['scheme']}", row["threads"])
+            best[key] = max(best.get(key, 0.0), row["gcells_per_s"])
+    return best
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cells", type=int, default=1000, help="cells along a side")
+    parser.add_argument("--steps", type=int, default=2000)
+    parser.add_argument("--threads", type=int, nargs="+", default=sorted({1, os.cpu_count() or 1}))
+    parser.add_argument("--echolot", default=str(HERE.parents[1] / "target" / "release" / "echolot"))
+    arguments = parser.parse_args()
+    if not pathlib.Path(arguments.echolot).exists():
+        parser.error(f"--echolot {arguments.echolot}: is missing; run `cargo build --release` first")
+    python = interpreter()
+    table = {}
+    for threads in arguments.threads:
+        for name in PEERS:
+            table[name, threads] = peer_rate(python, name, arguments.cells, arguments.steps, threads)
+        table.update(own_rates(arguments.echolot, arguments.cells, arguments.steps, threads))
+    names = list(dict.fromkeys(name for name, _ in table))
+    load = os.getloadavg()[0]
+    print(f"{arguments.cells} x {arguments.cells} cells, f32, {arguments.steps} steps; Gcell/s, and how many times faster `fast slf` is")
+    print(f"load average at the end: {load:.1f} on {os.cpu_count()} cores")
+    print("| engine |" + "".join(f" {t} thread(s) | fast slf over it |" for t in arguments.threads))
+    print("|---|" + "---|---|" * len(arguments.threads))
+    for name in names:
+        line = f"| {name} |"
+        for threads in arguments.threads:
+            rate, ours = table.get((name, threads)), table.get(("fast slf", threads))
+            line += f" {rate:.2f} | {ours / rate:.1f} |" if rate and ours else " - | - |"
+        print(line)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,150 @@
+//! Domain: the streaming localizer in steady operation. A step that allocates may wait for the system at any time, which a
+//! robot that has to keep up with its signal cannot afford. After M + 1 steps (the first block and one more) `step` must
+//! not touch the heap: count of allocations exactly 0, with every way of removing the direct wave that can stream, with every
+//! method, and while the particles spread over more and more cells of the map. Errors may allocate.
+
+#![expect(clippy::unwrap_used, reason = "a failed test may panic")]
+#![expect(
+    unsafe_code,
+    reason = "a global allocator is an unsafe trait; this one only counts and passes on to the system's"
+)]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use localizer::doppler::DopplerBank;
+use localizer::{
+    DirectWave, EchoBlock, EchoSequence, Localizer, MapImage, Method, Odometry, Parameters, Pose,
+    map_image,
+};
+
+/// The system's allocator with a count of what was asked of it, by all threads. This file holds one test, so that no other
+/// one counts along.
+struct Counting;
+
+static COUNT: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: every call is passed on unchanged to the system's allocator, which keeps the contract.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Calls to the allocator, to take or give back memory, during `work`.
+fn allocations(work: impl FnOnce()) -> usize {
+    let before = COUNT.load(Ordering::Relaxed);
+    work();
+    COUNT.load(Ordering::Relaxed) - before
+}
+
+/// A signal without structure.
+fn noise(length: usize) -> Vec<f32> {
+    let mut state = 1_u32;
+    (0..length)
+        .map(|_| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / 8_388_608.0 - 1.0
+        })
+        .collect()
+}
+
+const ODOMETRY: Odometry = Odometry {
+    v_mps: 0.3,
+    omega_radps: 0.1,
+};
+
+/// The map that one block of noise draws around the origin.
+fn map(parameters: &Parameters) -> MapImage {
+    let bank = DopplerBank::new(parameters).unwrap();
+    let mut intensity = bank.intensity();
+    let block = noise(bank.block_length());
+    bank.measure(&block, ODOMETRY.v_mps, &mut bank.scratch(), &mut intensity);
+    let block = EchoBlock {
+        index: 0,
+        t_s: 0.0,
+        odometry: ODOMETRY,
+        stationary: false,
+        mean_intensity: vec![1.0; intensity.ncols()],
+        intensity,
+    };
+    let sequence = EchoSequence {
+        parameters: parameters.clone(),
+        blocks: vec![block],
+        odometry: vec![ODOMETRY],
+    };
+    map_image::build(&[(&sequence, &[Pose::default()])]).unwrap()
+}
+
+#[test]
+fn a_step_does_not_allocate_once_it_is_warm() {
+    assert_ne!(
+        allocations(|| drop(std::hint::black_box(vec![1_u8]))),
+        0,
+        "the counter counts"
+    );
+    let common = Parameters {
+        periods: 3,
+        max_range_m: 3.0,
+        window_half_width_m: 1.0,
+        // Wide noise: the particles reach new cells with every step.
+        sigma_v_mps: 3.0,
+        sigma_omega_radps: 3.0,
+        ..Parameters::default()
+    };
+    let map = map(&common);
+    let samples = noise(common.samples_per_period());
+    for direct_wave in [
+        DirectWave::Keep,
+        DirectWave::RunningMean,
+        DirectWave::GatedMean,
+    ] {
+        for method in [Method::Doppler, Method::ToaOnly, Method::Odometry] {
+            let parameters = Parameters {
+                direct_wave,
+                method,
+                // No resampling at all would keep the particles spreading; the usual one has to be without allocations too.
+                resample_threshold: if method == Method::ToaOnly { 1.0 } else { 0.1 },
+                ..common.clone()
+            };
+            let mut localizer =
+                Localizer::new(&parameters, map.clone(), Pose::default(), 1).unwrap();
+            let mut estimates = 0;
+            let mut step = || {
+                if localizer.step(&samples, ODOMETRY).unwrap().is_some() {
+                    estimates += 1;
+                }
+            };
+            (0..=parameters.periods).for_each(|_| step());
+            let count = allocations(|| (0..12).for_each(|_| step()));
+            assert_eq!(
+                count, 0,
+                "{direct_wave:?}, {method:?}: calls to the allocator in 12 steps"
+            );
+            assert_eq!(estimates, 14);
+        }
+    }
+}

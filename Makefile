@@ -2,7 +2,7 @@
 
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
-.PHONY: help sim-experiments sim-quick figures test check bench bless
+.PHONY: help sim-experiments sim-quick figures claims test check bench bless
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -17,6 +17,9 @@ figures: ## redraw all figures from the data files, without computing anything
 	@for preset in paper quick; do \
 		if [ -d results/$$preset/data ]; then $(ECHOLOT) figures --preset $$preset || exit 1; fi; \
 	done
+
+claims: ## hold the summary against the papers' claims (results/paper/report.md, README.md)
+	$(ECHOLOT) check --preset paper --into README.md
 
 test: ## all tests
 	cargo test --release --workspace

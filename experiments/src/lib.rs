@@ -12,6 +12,7 @@ pub mod metrics;
 pub mod preset;
 pub mod progress;
 pub mod provenance;
+pub mod robot;
 pub mod schedule;
 pub mod simulate;
 pub mod study;

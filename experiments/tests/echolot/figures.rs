@@ -64,6 +64,14 @@ fn write_data(data: &Path) {
         &data.join("step_time.csv"),
         "stage,half_width_m,time_ms\ndoppler_bank,,7.5\ndoppler_bank,,8\nfilter,1,0.5\nfilter,4,2.5\n",
     );
+    table(
+        &data.join("angular_resolution.csv"),
+        "m,cos_theta,level\n1,-1,0.2\n1,0.5,1\n1,1,0.7\n6,-1,0.1\n6,0.5,1\n6,1,0.1\n",
+    );
+    table(
+        &data.join("angular_resolution_widths.csv"),
+        "m,half_power_width,theory\n1,0.5,0.49\n6,0.08,0.082\n",
+    );
     for name in ["dual_circle.csv", "dual_circle_published.csv"] {
         table(
             &data.join(name),
@@ -76,6 +84,7 @@ fn write_data(data: &Path) {
 fn every_figure_is_drawn_and_the_same_each_time() {
     let folder = tempfile::tempdir().unwrap();
     write_data(&folder.path().join("data"));
+    write_data(&folder.path().join("site/data"));
     let pictures = |drawn: Vec<Drawn>| -> Vec<Vec<u8>> {
         drawn
             .into_iter()
@@ -86,7 +95,7 @@ fn every_figure_is_drawn_and_the_same_each_time() {
             .collect()
     };
     let first = pictures(draw_all(folder.path()).unwrap());
-    assert_eq!(first.len(), 10);
+    assert_eq!(first.len(), 11 + 7);
     assert_eq!(first, pictures(draw_all(folder.path()).unwrap()));
 }
 

@@ -1,38 +1,21 @@
-//! The example recordings, in the format of a laboratory, go through `map` and `localize`. They are made by the command of
-//! `examples/README.md`.
+//! The example recordings, in the format of a laboratory, go through `map` and `localize`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use localizer::Recording;
 use serde_json::Value;
 
 use crate::room::expect;
 
-/// Makes the recordings `mapping` and `drive` in `folder`.
-fn record(folder: &Path) {
-    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    for name in ["mapping", "drive"] {
-        let path = format!("example_{name}");
-        let output = folder.join(name).display().to_string();
-        let fixed = [
-            "simulate",
-            "scenes/site.json",
-            "--engine",
-            "image-source",
-            "--path",
-            &path,
-        ];
-        let robot = ["--robot", "experiments/robots/site.json", "-o", &output];
-        expect(&project, &[&fixed[..], &robot[..]].concat());
-    }
+fn example() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/site_robot")
 }
 
 #[test]
 fn a_laboratorys_recordings_make_a_map_and_a_path() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    record(at);
-    let recording = |name: &str| at.join(name).display().to_string();
+    let recording = |name: &str| example().join(name).display().to_string();
     expect(at, &["map", &recording("mapping"), "-o", "map"]);
     let map: Value =
         serde_json::from_str(&std::fs::read_to_string(at.join("map/map.json")).unwrap()).unwrap();
@@ -61,11 +44,9 @@ fn a_laboratorys_recordings_make_a_map_and_a_path() {
 
 #[test]
 fn the_example_is_what_a_laboratory_exports() {
-    let made = tempfile::tempdir().unwrap();
-    record(made.path());
     let mut bytes = 0;
     for name in ["mapping", "drive"] {
-        let folder = made.path().join(name);
+        let folder = example().join(name);
         let wav = std::fs::read(folder.join("signal.wav")).unwrap();
         let number =
             |at: usize| u32::from_le_bytes([wav[at], wav[at + 1], wav[at + 2], wav[at + 3]]);

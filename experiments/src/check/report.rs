@@ -211,7 +211,9 @@ mod tests {
         insert(&readme, &judged).unwrap();
         assert_eq!(first, std::fs::read_to_string(&readme).unwrap());
         assert!(
-            first.starts_with("a\n<!--") && first.ends_with("-->\nb\n") && !first.contains("old")
+            first.starts_with("a\n<!--")
+                && first.ends_with("-->\nb\n")
+                && !first.contains("\nold\n")
         );
         std::fs::write(&readme, "nothing").unwrap();
         assert!(insert(&readme, &judged).is_err());

@@ -2,7 +2,7 @@
 
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
-.PHONY: help sim-experiments sim-quick figures validate test check bench bless
+.PHONY: help sim-experiments sim-quick figures claims validate test check bench bless
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -21,6 +21,9 @@ figures: ## redraw all figures from the data files, without computing anything
 
 validate: ## hold the field against laws of physics, all cases (results/validation)
 	$(ECHOLOT) validate --full
+
+claims: ## hold the summary against the papers' claims (results/paper/report.md, README.md)
+	$(ECHOLOT) check --preset paper --into README.md
 
 test: ## all tests
 	cargo test --release --workspace

@@ -13,8 +13,13 @@ use localizer::{DirectWave, EchoSequence, Parameters, Recording, echoes};
 use crate::cache::{Cache, recording_key};
 use crate::preset::{Plan, Preset};
 use crate::progress::Board;
+use crate::robot::Robot;
 use crate::schedule::{self, Job};
 use crate::simulate::{self, Engine, Take};
+
+/// Path of a scene on which the direct wave is recorded as in an anechoic chamber: a short drive without walls. Loudspeaker
+/// and microphone ride on one robot, so that one period of it stands for all.
+pub const ANECHOIC: &str = "anechoic";
 
 /// What a run is asked for.
 #[derive(Debug, Clone)]
@@ -41,6 +46,8 @@ pub struct Laboratory {
     pub plan: Plan,
     /// The scene.
     pub scene: Scene,
+    /// The robot whose instruments the recordings get.
+    pub robot: Option<Robot>,
     /// Parameters of the localizer at the preset's default window and periods.
     pub parameters: Parameters,
     /// Progress.
@@ -49,9 +56,9 @@ pub struct Laboratory {
     pub cache: Cache,
     /// Threads to use.
     pub threads: usize,
+    request: Request,
     results: PathBuf,
     engine: Engine,
-    side_by_side: Option<usize>,
     prints: Mutex<HashMap<String, String>>,
     maps: Mutex<HashMap<String, Arc<MapImage>>>,
 }
@@ -62,8 +69,26 @@ impl Laboratory {
     /// # Errors
     /// When the scene file cannot be used or the parameters are refused.
     pub fn open(request: &Request) -> Result<Self> {
-        let plan = request.preset.plan();
+        let results = request.results.join(request.preset.name());
+        Self::with(request, request.preset.plan(), results)
+    }
+
+    /// The laboratory of the experimental site: another scene and robot, results in the folder `site` of the preset's.
+    ///
+    /// # Errors
+    /// When the scene file or the robot file cannot be used.
+    pub fn site(&self) -> Result<Self> {
+        Self::with(
+            &self.request,
+            self.preset.site_plan(),
+            self.results.join("site"),
+        )
+    }
+
+    /// Loads the scene of a plan.
+    fn with(request: &Request, plan: Plan, results: PathBuf) -> Result<Self> {
         let scene = Scene::load(&plan.scene)?;
+        let robot = plan.robot.as_deref().map(Robot::read).transpose()?;
         let parameters = Parameters {
             window_half_width_m: plan.half_width_m,
             periods: plan.periods,
@@ -74,13 +99,14 @@ impl Laboratory {
             preset: request.preset,
             plan,
             scene,
+            robot,
             parameters,
             board: Board::new(),
             cache: Cache::new(&request.cache),
             threads: rayon::current_num_threads(),
-            results: request.results.join(request.preset.name()),
+            results,
             engine: request.engine,
-            side_by_side: request.side_by_side,
+            request: request.clone(),
             prints: Mutex::default(),
             maps: Mutex::default(),
         })
@@ -122,9 +148,18 @@ impl Laboratory {
         let walls = ["mapping", "localization"].map(|path| self.take(path, scheme));
         let mut takes = walls.to_vec();
         if self.parameters.direct_wave == DirectWave::FreeField {
-            takes.extend(walls.iter().map(Take::in_free_field));
+            takes.extend(walls.iter().map(|take| self.direct_take(take)));
         }
         takes
+    }
+
+    /// The take that tells the direct wave of another: the scene's anechoic one, else the same drive without walls.
+    pub fn direct_take(&self, take: &Take) -> Take {
+        let mut direct = take.in_free_field();
+        if self.scene.paths.contains_key(ANECHOIC) {
+            direct.path = ANECHOIC.to_string();
+        }
+        direct
     }
 
     /// Key of a take in the cache.
@@ -171,7 +206,7 @@ impl Laboratory {
             &jobs,
             &self.cache,
             self.threads,
-            self.side_by_side,
+            self.request.side_by_side,
             &self.board,
         )
     }
@@ -183,7 +218,7 @@ impl Laboratory {
             Some(scheme) if self.has_field() => scheme.name().to_string(),
             _ => self.scheme_name(),
         };
-        format!("{} {scheme}{field}", take.path)
+        format!("{}{} {scheme}{field}", self.plan.prefix, take.path)
     }
 
     /// The recording of a take, with its direct wave when the parameters or the caller want it.
@@ -197,7 +232,14 @@ impl Laboratory {
         };
         let mut recording = read(take)?;
         if with_direct || self.parameters.direct_wave == DirectWave::FreeField {
-            recording.direct = Some(read(&take.in_free_field())?.signal);
+            let direct = read(&self.direct_take(take))?.signal;
+            recording.direct = Some(match self.scene.paths.contains_key(ANECHOIC) {
+                true => repeated(&direct, &self.parameters, recording.signal.len())?,
+                false => direct,
+            });
+        }
+        if let Some(robot) = self.robot.as_ref().filter(|_| !take.free_field) {
+            robot.apply(&mut recording, self.scene.path(&take.path)?, &take.path);
         }
         Ok(recording)
     }
@@ -230,6 +272,15 @@ impl Laboratory {
         }
         Ok(map)
     }
+}
+
+/// The last whole period of an anechoic recording, over and over.
+fn repeated(anechoic: &[f32], parameters: &Parameters, length: usize) -> Result<Vec<f32>> {
+    let period = anechoic
+        .chunks_exact(parameters.samples_per_period())
+        .next_back()
+        .context("the anechoic drive is shorter than one period of the code; make it longer")?;
+    Ok(period.iter().copied().cycle().take(length).collect())
 }
 
 /// The map image of one recording with truth.

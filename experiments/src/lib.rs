@@ -13,6 +13,7 @@ pub mod multipath;
 pub mod preset;
 pub mod progress;
 pub mod provenance;
+pub mod robot;
 pub mod schedule;
 pub mod simulate;
 pub mod study;

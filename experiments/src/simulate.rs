@@ -114,6 +114,9 @@ pub fn parameters_of(scene: &Scene, base: &Parameters) -> Parameters {
         chip_rate_hz: scene.waveform.chip_rate_hz,
         carrier_hz: scene.waveform.carrier_hz,
         speed_of_sound_mps: scene.medium.c_mps,
+        sensor_offset_m: [0, 1].map(|axis| {
+            0.5 * (scene.robot.loudspeaker_offset_m[axis] + scene.robot.microphone_offset_m[axis])
+        }),
         ..base.clone()
     }
 }
@@ -314,6 +317,8 @@ pub fn recording(scene: &Scene, take: &Take, signal: Vec<f32>, seconds: f64) -> 
         }),
         meta: RecordingMeta {
             start: Some(pose(0.0)),
+            loudspeaker_offset_m: scene.robot.loudspeaker_offset_m,
+            microphone_offset_m: scene.robot.microphone_offset_m,
             provenance: serde_json::json!({
                 "program": format!("echolot {}", env!("CARGO_PKG_VERSION")),
                 "scene": scene.name,

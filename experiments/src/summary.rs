@@ -34,6 +34,9 @@ pub struct Summary {
     /// Accuracy over the number of periods in a block (2023 abstract).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub periods: Vec<PeriodsCell>,
+    /// Width of one echo over the direction by the number of periods (2023 abstract).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub angular_resolution: Vec<ResolutionCell>,
     /// Distances of the echoes by ray theory and by measurement (Fig. 8).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reflections: Option<Reflections>,
@@ -52,6 +55,35 @@ pub struct Summary {
     /// Positions from multipath arrival times (Tsuchiya et al., 2021).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub multipath: Option<Multipath>,
+    /// The experimental site in simulation (Figs. 11 to 16).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub site: Option<Site>,
+}
+
+/// The studies of the experimental site (2024 paper, section IV) on `scenes/site.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Site {
+    /// Correction of the slip of the wheels (Fig. 13).
+    pub odometry_drift: Methods,
+    /// Accuracy over the half-width of the matched window (Fig. 14).
+    pub window_size: Vec<WindowCell>,
+    /// Distances of the echoes (Fig. 15).
+    pub reflections: Reflections,
+    /// Accuracy over the signal-to-noise ratio (Fig. 16).
+    pub snr: Vec<NoiseCell>,
+}
+
+/// Angular resolution with one number of periods.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResolutionCell {
+    /// Periods M in a block.
+    pub m: usize,
+    /// Half-power width of one exact echo over cos(theta).
+    pub half_power_width: f64,
+    /// The same for the carrier alone: 0.886 c / (2 f_c M T v).
+    pub theory: f64,
 }
 
 /// Errors of positions from the ranges to four receivers (Hsu et al., 2021).
@@ -200,12 +232,14 @@ impl Summary {
             window_size: Vec::new(),
             snr: Vec::new(),
             periods: Vec::new(),
+            angular_resolution: Vec::new(),
             reflections: None,
             engine: None,
             schemes: None,
             step_time_ms: None,
             dual_circle: None,
             multipath: None,
+            site: None,
         }
     }
 

@@ -170,6 +170,9 @@ impl Laboratory {
         for path in ["mapping", "localization"] {
             key.text(path, &self.key(&self.take(path, trial.scheme))?);
         }
+        if let Some(robot) = &self.robot {
+            key.value("robot", robot)?;
+        }
         key.value("parameters", &trial.parameters)?;
         key.value("trial", &trial.trial)?;
         key.value("noise", &trial.noise)?;

@@ -667,3 +667,40 @@ proptest! {
         only_one_line(Scene::from_json(&text, Path::new("somewhere/test.json")));
     }
 }
+
+#[test]
+fn the_site_has_corner_echoes_up_to_six_metres_and_speeds_of_the_paper() {
+    // Section IV of the 2024 paper: 50 kHz, round trips up to about 6 m; 45 s of mapping, 40 s of localization.
+    let scene = Scene::load(&scenes().join("site.json")).unwrap();
+    assert_eq!(scene.sample_rate_hz, 50_000.0);
+    let steps_per_sample = 1.0 / (scene.grid.dt_s * scene.sample_rate_hz);
+    assert!((steps_per_sample - steps_per_sample.round()).abs() < 1e-9);
+    let [from, to] = [
+        scene.robot.loudspeaker_offset_m,
+        scene.robot.microphone_offset_m,
+    ];
+    assert!(((from[0] - to[0]).hypot(from[1] - to[1]) - 0.1).abs() < 1e-9);
+    // Two walls of two pieces: a right angle at each apex.
+    assert_eq!(scene.walls.len(), 2);
+    for wall in &scene.walls {
+        let [a, apex, b] = [0, 1, 2].map(|k| wall.points_m[k]);
+        let arm = |end: [f64; 2]| [end[0] - apex[0], end[1] - apex[1]];
+        let (one, other) = (arm(a), arm(b));
+        let cosine = (one[0] * other[0] + one[1] * other[1])
+            / (one[0].hypot(one[1]) * other[0].hypot(other[1]));
+        assert!(cosine.abs() < 1e-3, "{cosine}");
+    }
+    let drive = scene.path("localization").unwrap();
+    let durations = ["mapping", "localization"].map(|name| scene.path(name).unwrap().duration_s());
+    assert!((durations[0] - 45.0).abs() < 1e-9 && (durations[1] - 40.0).abs() < 1e-9);
+    let mut farthest_m = 0.0_f64;
+    for step in 20..400 {
+        let state = drive.state_at(0.1 * f64::from(step));
+        assert!((0.19..=0.41).contains(&state.v_mps), "{} m/s", state.v_mps);
+        for wall in &scene.walls {
+            let apex = wall.points_m[1];
+            farthest_m = farthest_m.max(2.0 * (apex[0] - state.x_m).hypot(apex[1] - state.y_m));
+        }
+    }
+    assert!((farthest_m - 6.0).abs() < 0.3, "{farthest_m}");
+}

@@ -155,7 +155,9 @@ pub fn build(drives: &[(&EchoSequence, &[Pose])]) -> Result<MapImage, Error> {
             .flat_map(|(sequence, poses)| sequence.blocks.iter().zip(poses.iter()))
             .filter(|(block, _)| !block.stationary)
     };
-    let cells = || moving().map(|(_, pose)| cell_of(pose, parameters.cell_m));
+    let sensor_cell =
+        |pose: &Pose| cell_of(&pose.carried(parameters.sensor_offset_m), parameters.cell_m);
+    let cells = || moving().map(|(_, pose)| sensor_cell(pose));
     let (Some(low), Some(high)) = (
         cells().reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]),
         cells().reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]),
@@ -193,7 +195,7 @@ pub fn build(drives: &[(&EchoSequence, &[Pose])]) -> Result<MapImage, Error> {
     let window = Window::new(&parameters, reach_cells);
     let mut image = vec![0.0; window.len()];
     for (block, pose) in moving() {
-        let [x, y] = cell_of(pose, parameters.cell_m);
+        let [x, y] = sensor_cell(pose);
         let centre = [x - map.origin_cell[0], y - map.origin_cell[1]];
         for (method, layer) in [
             (Method::Doppler, &mut map.intensity),

@@ -13,6 +13,7 @@ use crate::pose::Pose;
 /// Particles in the same cell see the same part of the map; it is cut out and quantized once a step.
 pub(crate) struct Matcher {
     method: Method,
+    sensor_offset_m: [f64; 2],
     bins: usize,
     window: Window,
     tool: MutualInformation,
@@ -46,6 +47,7 @@ impl Matcher {
         let window = Window::new(parameters, parameters.window_cells());
         Self {
             method: parameters.method,
+            sensor_offset_m: parameters.sensor_offset_m,
             bins: parameters.bins,
             tool: MutualInformation::new(parameters.bins, window.len()),
             image: vec![0.0; window.len()],
@@ -70,7 +72,7 @@ impl Matcher {
         let blind = polar.nrows() == 1;
         let mut echo_marginal = 0.0;
         for (index, (particle, out)) in particles.iter().zip(information).enumerate() {
-            let centre = map.cell_of(particle);
+            let centre = map.cell_of(&particle.carried(self.sensor_offset_m));
             let crop = match self.crops[..used]
                 .iter()
                 .position(|crop| crop.centre == centre)

@@ -123,6 +123,9 @@ pub struct Parameters {
     pub start_sigma_m: f64,
     /// Standard deviation of the first particles' headings in radians; 0 is a known start.
     pub start_sigma_rad: f64,
+    /// Place on the robot, `[forward, left]` in metres, from which ranges count: the middle between loudspeaker and microphone.
+    /// With them b apart, an echo's path exceeds twice the range from there by b^2/4r at most, and by nothing at a corner.
+    pub sensor_offset_m: [f64; 2],
 }
 
 impl Default for Parameters {
@@ -155,6 +158,7 @@ impl Default for Parameters {
             resample_threshold: 1.0,
             start_sigma_m: 0.0,
             start_sigma_rad: 0.0,
+            sensor_offset_m: [0.0; 2],
         }
     }
 }
@@ -198,7 +202,7 @@ impl Parameters {
         (self.window_half_width_m / self.cell_m).round() as usize
     }
 
-    /// The same parameters with the waveform and the speed of sound of a recording.
+    /// The same parameters with the waveform, the speed of sound and the sensor's place of a recording.
     pub fn for_recording(&self, meta: &crate::recording::RecordingMeta) -> Self {
         Self {
             sample_rate_hz: meta.sample_rate_hz,
@@ -206,6 +210,7 @@ impl Parameters {
             chip_rate_hz: meta.chip_rate_hz,
             carrier_hz: meta.carrier_hz,
             speed_of_sound_mps: meta.speed_of_sound_mps,
+            sensor_offset_m: meta.sensor_offset_m(),
             ..self.clone()
         }
     }
@@ -246,6 +251,8 @@ impl Parameters {
             ("min_speed_mps", self.min_speed_mps),
             ("start_sigma_m", self.start_sigma_m),
             ("start_sigma_rad", self.start_sigma_rad),
+            ("sensor_offset_m[0]", self.sensor_offset_m[0].abs()),
+            ("sensor_offset_m[1]", self.sensor_offset_m[1].abs()),
         ] {
             if !(value.is_finite() && value >= 0.0) {
                 return refuse(field, &value, "give zero or a positive number");

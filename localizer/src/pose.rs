@@ -32,6 +32,17 @@ impl Pose {
         (self.x_m - other.x_m).hypot(self.y_m - other.y_m)
     }
 
+    /// The pose of a point that the robot carries at `[forward, left]` metres from its own.
+    pub fn carried(&self, offset_m: [f64; 2]) -> Self {
+        let (sine, cosine) = self.heading_rad.sin_cos();
+        let [forward, left] = offset_m;
+        Self {
+            x_m: self.x_m + cosine * forward - sine * left,
+            y_m: self.y_m + sine * forward + cosine * left,
+            heading_rad: self.heading_rad,
+        }
+    }
+
     /// True when no component is NaN or infinite.
     pub fn is_finite(&self) -> bool {
         self.x_m.is_finite() && self.y_m.is_finite() && self.heading_rad.is_finite()
@@ -54,6 +65,18 @@ pub fn wrap_angle(angle_rad: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_carried_point_turns_with_the_robot() {
+        let pose = Pose {
+            x_m: 1.0,
+            y_m: 2.0,
+            heading_rad: 0.5 * PI,
+        };
+        let carried = pose.carried([0.3, 0.1]);
+        assert!((carried.x_m - 0.9).abs() < 1e-12 && (carried.y_m - 2.3).abs() < 1e-12);
+        assert_eq!(carried.heading_rad, pose.heading_rad);
+    }
 
     #[test]
     fn angles_wrap_into_the_half_open_turn() {

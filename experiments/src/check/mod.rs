@@ -1,8 +1,10 @@
 //! Verdicts on a summary: against a baseline (regression gate) and against the paper's claims.
 
-pub mod claims;
-mod claims_multipath;
 pub mod gate;
+pub mod report;
+pub mod targets;
+
+mod rules;
 
 /// What a command returns when a check did not pass; the table has been printed.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,7 +6,8 @@ use anyhow::{Result, bail};
 
 use super::print_json;
 use crate::check::gate::{self, Baseline};
-use crate::check::{CheckFailed, claims};
+use crate::check::targets::{Targets, Verdict};
+use crate::check::{CheckFailed, report};
 use crate::preset::Preset;
 use crate::summary::Summary;
 
@@ -14,7 +15,8 @@ use crate::summary::Summary;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  echolot check --preset quick\n\n\
     quick: fails when an error lies above its baseline by more than the baseline's interval and 10 %.\n\
-    paper: fails when a claim of the papers is not reproduced.")]
+    paper: holds the claims of experiments/targets.json against the summary, writes report.md beside it, and fails when a \
+    claim that can be tested is not reproduced.")]
 pub(crate) struct Arguments {
     /// Preset that is checked.
     #[arg(long, value_enum, default_value_t = Preset::Quick)]
@@ -25,6 +27,9 @@ pub(crate) struct Arguments {
     /// Baseline of the regression gate; `experiments/baselines/<preset>.json` unless given.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
+    /// Markdown file in which the claims are put between their marks (paper).
+    #[arg(long, value_name = "FILE")]
+    into: Option<PathBuf>,
     /// Make the present summary the baseline.
     #[arg(long)]
     bless: bool,
@@ -51,14 +56,30 @@ impl Arguments {
             return Ok(());
         }
         let (failed, of, what) = if self.preset == Preset::Paper && self.baseline.is_none() {
-            let claims = claims::claims(&summary);
-            if json {
-                print_json(&claims)?;
-            } else {
-                print!("{}", claims::table(&claims));
+            let targets = Targets::load()?;
+            let judged = targets.judge(&summary)?;
+            let folder = self.results.join(self.preset.name());
+            report::write(&folder, &targets, &judged, &summary)?;
+            if let Some(file) = &self.into {
+                report::insert(file, &judged)?;
             }
-            let failed = claims.iter().filter(|claim| !claim.reproduced).count();
-            (failed, claims.len(), "claims not reproduced")
+            if json {
+                print_json(&judged)?;
+            } else {
+                print!("{}", report::table(&judged));
+                eprintln!(
+                    "{}; wrote {}",
+                    report::count(&judged),
+                    folder.join("report.md").display()
+                );
+            }
+            let testable = judged
+                .iter()
+                .filter(|judged| judged.verdict != Verdict::CannotBeTested);
+            let failed = testable
+                .clone()
+                .filter(|judged| judged.verdict != Verdict::Reproduced);
+            (failed.count(), testable.count(), "claims not reproduced")
         } else {
             let verdicts = Baseline::read(&baseline)?.judge(&summary);
             if json {

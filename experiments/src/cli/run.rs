@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 
 use super::{ParameterArguments, print_json};
+use crate::check::report;
+use crate::check::targets::Targets;
 use crate::figures;
 use crate::laboratory::{Laboratory, Request};
 use crate::preset::Preset;
@@ -88,6 +90,11 @@ impl Arguments {
         let summary = run(&lab, &studies)?;
         if !self.no_figures {
             figures::draw_all(lab.results())?;
+        }
+        if self.preset == Preset::Paper {
+            let targets = Targets::load()?;
+            let judged = targets.judge(&summary)?;
+            report::write(lab.results(), &targets, &judged, &summary)?;
         }
         if json {
             return print_json(&summary);

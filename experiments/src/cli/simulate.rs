@@ -7,10 +7,12 @@ use anyhow::{Result, bail};
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
+use localizer::recording::wav;
 
 use super::{named, print_json};
 use crate::atomic;
 use crate::progress::{Board, duration};
+use crate::robot::Robot;
 use crate::schedule;
 use crate::simulate::{self, Checkpoint, Engine, ODOMETRY_BIAS_RADPS, Snapshots, Take};
 
@@ -59,6 +61,10 @@ pub(crate) struct Arguments {
     /// Steady error of the odometry's turn rate, rad/s.
     #[arg(long, default_value_t = ODOMETRY_BIAS_RADPS, value_name = "RAD_PER_S", allow_hyphen_values = true)]
     odometry_bias: f64,
+    /// Robot whose slipping wheels, microphone noise, 16-bit converter and clocks the recording gets, instead of the steady error;
+    /// see experiments/robots.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["odometry_bias", "free_field"])]
+    robot: Option<PathBuf>,
 }
 
 impl Arguments {
@@ -127,7 +133,8 @@ impl Arguments {
         let take = self.take()?;
         self.check_output()?;
         let pictures = self.pictures()?;
-        scene.path(&take.path)?;
+        let path = scene.path(&take.path)?;
+        let robot = self.robot.as_deref().map(Robot::read).transpose()?;
         let board = Board::new();
         let estimate = match take.engine {
             Engine::Fdtd => {
@@ -167,7 +174,17 @@ impl Arguments {
         let seconds = started.elapsed().as_secs_f64();
         let mut recording = simulate::recording(&scene, &take, signal, seconds)?;
         recording.direct = direct;
-        atomic::write_folder(&self.output, |folder| Ok(recording.write(folder)?))?;
+        if let Some(robot) = &robot {
+            robot.apply(&mut recording, path, &take.path);
+        }
+        atomic::write_folder(&self.output, |folder| {
+            recording.write(folder)?;
+            if robot.is_some() {
+                let rate_hz = recording.meta.sample_rate_hz;
+                wav::write_pcm16(&folder.join("signal.wav"), &recording.signal, rate_hz)?;
+            }
+            Ok(())
+        })?;
         for path in leftovers.iter().filter(|path| path.exists()) {
             std::fs::remove_file(path)?;
         }

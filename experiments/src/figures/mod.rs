@@ -11,6 +11,7 @@ pub mod legend;
 pub mod scene;
 pub mod snapshot;
 
+mod angular_resolution;
 mod dual_circle;
 mod error_distribution;
 mod estimated_paths;
@@ -109,6 +110,50 @@ const FIGURES: &[Figure] = &[
         ],
         draw: periods::draw,
     },
+    Figure {
+        name: "fig_angular_resolution",
+        needs: &["angular_resolution.csv", "angular_resolution_widths.csv"],
+        draw: angular_resolution::draw,
+    },
+];
+
+/// Figures of the experimental site, from the folder `site` in the results.
+const SITE_FIGURES: &[Figure] = &[
+    Figure {
+        name: "fig11_scene_and_map",
+        needs: &["layout.json", "drive.csv", "map.npy", "map.json"],
+        draw: scene_and_map::draw,
+    },
+    Figure {
+        name: "fig12_speeds",
+        needs: &["drive.csv"],
+        draw: speeds::draw,
+    },
+    Figure {
+        name: "fig13_paths",
+        needs: &["layout.json", "drift_paths.csv", "drive.csv"],
+        draw: estimated_paths::draw,
+    },
+    Figure {
+        name: "fig13_cdf",
+        needs: &["drift_paths.csv"],
+        draw: error_distribution::draw,
+    },
+    Figure {
+        name: "fig14_window",
+        needs: &["window_size.csv"],
+        draw: window_size::draw,
+    },
+    Figure {
+        name: "fig15_reflections",
+        needs: &["reflections.npy", "reflections.json", "rays.csv"],
+        draw: reflections::draw,
+    },
+    Figure {
+        name: "fig16_snr",
+        needs: &["snr.csv"],
+        draw: noise::draw_site,
+    },
 ];
 
 /// What became of a figure.
@@ -125,13 +170,23 @@ pub enum Drawn {
     },
 }
 
-/// Draws every figure whose data is in `results/data` into `results/figures`.
+/// Draws every figure whose data is in `results/data` into `results/figures`, and those of the site when there is one.
 ///
 /// # Errors
 /// When a data file is damaged or a picture cannot be written.
 pub fn draw_all(results: &Path) -> Result<Vec<Drawn>> {
+    let mut drawn = draw_each(FIGURES, results)?;
+    let site = results.join("site");
+    if site.join("data").is_dir() {
+        drawn.extend(draw_each(SITE_FIGURES, &site)?);
+    }
+    Ok(drawn)
+}
+
+/// Draws those of the figures whose data is in `results/data` into `results/figures`.
+fn draw_each(figures: &[Figure], results: &Path) -> Result<Vec<Drawn>> {
     let data = results.join("data");
-    FIGURES
+    figures
         .iter()
         .map(|figure| {
             let missing = figure

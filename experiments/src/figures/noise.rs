@@ -1,4 +1,4 @@
-//! Figure 9: mean position error over the signal-to-noise ratio, eqs. (19)-(21).
+//! Figures 9 and 16: mean position error over the signal-to-noise ratio, eqs. (19)-(21) and (22)-(24).
 
 use std::path::Path;
 
@@ -11,11 +11,24 @@ use super::legend::{Entry, legend};
 use super::{colour, means_by, method_style};
 use crate::table::Table;
 
-/// Draws the figure.
+/// Draws figure 9.
 ///
 /// # Errors
 /// When the data file is missing or damaged, or the picture cannot be written.
 pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
+    draw_with(data, picture, 0.05)
+}
+
+/// Draws figure 16.
+///
+/// # Errors
+/// As [`draw`].
+pub(crate) fn draw_site(data: &Path, picture: &Path) -> Result<()> {
+    draw_with(data, picture, 0.1)
+}
+
+/// Draws the errors beside what the paper stays below from 3 dB on, metres.
+fn draw_with(data: &Path, picture: &Path, limit_m: f64) -> Result<()> {
     let table = Table::read(&data.join("snr.csv"))?;
     let cells = means_by(&table, "snr_db", "mae_m")?;
     let curve: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1)).collect();
@@ -23,7 +36,10 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         .iter()
         .map(|cell| (cell.0, cell.2[0], cell.2[1]))
         .collect();
-    let highest = whiskers.iter().map(|bar| bar.2).fold(0.06, f64::max);
+    let highest = whiskers
+        .iter()
+        .map(|bar| bar.2)
+        .fold(1.2 * limit_m, f64::max);
     let (stroke, _) = method_style("doppler");
     let limit = Stroke::solid(colour::BLACK, 2.5).dashed(&[12.0, 8.0]);
     let worst_above_3 = cells
@@ -52,7 +68,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             Axis::new(0.0, 1.06 * highest, "MAE of position [m]"),
         );
         axes.grid()?;
-        axes.curve(&[(axes.x.low, 0.05), (axes.x.high, 0.05)], limit)?;
+        axes.curve(&[(axes.x.low, limit_m), (axes.x.high, limit_m)], limit)?;
         axes.curve(&[(3.0, 0.0), (3.0, axes.y.high)], limit)?;
         axes.curve(&curve, stroke)?;
         axes.whiskers(&whiskers, stroke.colour)?;
@@ -68,7 +84,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             Entry {
                 stroke: Some(limit),
                 marker: None,
-                text: "paper: below 0.05 m above 3 dB".to_string(),
+                text: format!("paper: below {limit_m} m above 3 dB"),
             },
         ];
         legend(sheet, [190.0, 72.0], 1400.0, &entries)?;

@@ -12,25 +12,18 @@ use super::legend::{Entry, legend};
 use super::{colour, means_by, method_style};
 use crate::table::Table;
 
-const STROKES: [Stroke; 4] = [
-    Stroke::solid(colour::PURPLE, 4.5).dashed(&[6.0, 8.0]),
-    Stroke::solid(colour::ORANGE, 4.5).dashed(&[22.0, 9.0, 5.0, 9.0]),
-    Stroke::solid(colour::GREEN, 4.5).dashed(&[22.0, 9.0]),
-    Stroke::solid(colour::BLUE, 4.5),
-];
-const MARKERS: [Marker; 4] = [
-    Marker::Diamond,
-    Marker::Triangle,
-    Marker::Square,
-    Marker::Disc,
-];
-
-/// The style of a number of periods, the same in every preset: up to 1, 2 and 4, and more.
-fn style_of(periods: f64) -> usize {
-    [1.0, 2.0, 4.0]
-        .iter()
-        .filter(|limit| periods > **limit)
-        .count()
+/// How a number of periods is drawn, the same in every figure; only those of the paper's Fig. 2 have lines.
+pub(super) fn style_of(periods: &str) -> Option<(Stroke, Marker)> {
+    let dashes = |colour, pattern| Stroke::solid(colour, 4.5).dashed(pattern);
+    match periods {
+        "2" => Some((
+            dashes(colour::ORANGE, &[22.0, 9.0, 5.0, 9.0]),
+            Marker::Triangle,
+        )),
+        "4" => Some((dashes(colour::GREEN, &[22.0, 9.0]), Marker::Square)),
+        "6" => Some((Stroke::solid(colour::BLUE, 4.5), Marker::Disc)),
+        _ => None,
+    }
 }
 
 /// Draws the figure.
@@ -51,26 +44,32 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         layout.walls(&left, Stroke::solid(colour::GREY, 6.0))?;
         let (black, name) = method_style("truth");
         path(&left, &truth, black)?;
-        let mut entries = vec![Entry {
-            stroke: Some(black),
-            marker: None,
-            text: name.to_string(),
-        }];
-        for periods in &paths.distinct("m")? {
-            let index = style_of(periods.parse().unwrap_or(0.0));
-            let rows = paths.only("m", periods)?;
+        let mut entries = vec![Entry::line(black, name)];
+        for which in ["odometry", "2", "4", "6"] {
+            let rows = paths.only("m", which)?;
+            if rows.is_empty() {
+                continue;
+            }
             let points: Vec<(f64, f64)> = rows
                 .numbers("x_m")?
                 .into_iter()
                 .zip(rows.numbers("y_m")?)
                 .collect();
-            let stroke = STROKES[index];
-            left.curve(&points, stroke)?;
-            entries.push(Entry {
-                stroke: Some(stroke),
-                marker: Some((MARKERS[index], stroke.colour)),
-                text: format!("M = {periods}"),
-            });
+            let entry = match style_of(which) {
+                Some((stroke, marker)) => Entry {
+                    stroke: Some(stroke),
+                    marker: Some((marker, stroke.colour)),
+                    text: format!("M = {which}"),
+                },
+                None => {
+                    let (stroke, name) = method_style(which);
+                    Entry::line(stroke, name)
+                }
+            };
+            if let Some(stroke) = entry.stroke {
+                left.curve(&points, stroke)?;
+            }
+            entries.push(entry);
         }
         left.finish("(a) estimated positions (first trial)")?;
         let highest = cells.iter().map(|cell| cell.2[1]).fold(1e-3, f64::max);
@@ -88,10 +87,12 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let curve: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1)).collect();
         right.curve(&curve, Stroke::solid(colour::GREY, 3.0))?;
         for cell in &cells {
-            let index = style_of(cell.0);
-            let shade = STROKES[index].colour;
+            let style = style_of(&cell.0.to_string());
+            let (shade, marker) = style.map_or((colour::GREY, Marker::Disc), |(stroke, marker)| {
+                (stroke.colour, marker)
+            });
             right.whiskers(&[(cell.0, cell.2[0], cell.2[1])], shade)?;
-            right.markers(&[(cell.0, cell.1)], MARKERS[index], 24.0, shade)?;
+            right.markers(&[(cell.0, cell.1)], marker, 24.0, shade)?;
         }
         right.finish("(b) mean error, bars: 95 % interval")?;
         legend(sheet, [120.0, 80.0], 1620.0, &entries)?;

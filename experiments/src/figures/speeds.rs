@@ -1,4 +1,4 @@
-//! Figure 5: speeds of the localization drive, true and as the wheels report them.
+//! Figures 5 and 12: speeds of the localization drive, true and as the wheels report them.
 
 use std::path::Path;
 
@@ -9,6 +9,7 @@ use super::axis::Axis;
 use super::canvas::{self, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
+use crate::metrics::mean;
 use crate::table::Table;
 
 /// Draws the figure.
@@ -19,17 +20,23 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let drive = Table::read(&data.join("drive.csv"))?.only("path", "localization")?;
     let time = drive.numbers("t_s")?;
     let end = time.last().copied().unwrap_or(1.0);
-    let bias = drive
+    let errors: Vec<f64> = drive
         .numbers("omega_odometry_radps")?
         .iter()
         .zip(drive.numbers("omega_radps")?)
         .map(|(measured, truth)| measured - truth)
-        .sum::<f64>()
-        / drive.len().max(1) as f64;
+        .collect();
+    let bias = mean(&errors);
+    let squares: Vec<f64> = errors.iter().map(|error| (error - bias).powi(2)).collect();
+    let spread = mean(&squares).sqrt();
     let measured = Stroke::solid(colour::VERMILLION, 5.0).dashed(&[20.0, 10.0]);
     let truth = Stroke::solid(colour::BLACK, 3.0);
     canvas::draw(picture, 1600, 1100, |sheet| {
-        let title = format!("Wheel odometry turns {bias:.3} rad/s too fast during the whole drive");
+        let title = if spread < 1e-3 {
+            format!("Wheel odometry turns {bias:.3} rad/s too fast during the whole drive")
+        } else {
+            format!("The wheels slip: they turn {bias:.3} \u{b1} {spread:.3} rad/s too fast")
+        };
         sheet.text(
             &title,
             [0.5 * sheet.width, 20.0],

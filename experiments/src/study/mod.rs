@@ -1,5 +1,6 @@
 //! The studies. Each takes recordings from the laboratory, writes data files, and fills its part of the summary.
 
+mod angular_resolution;
 mod dual_circle;
 mod engine;
 mod layout;
@@ -8,6 +9,7 @@ mod odometry_drift;
 mod periods;
 mod reflections;
 mod schemes;
+mod site;
 mod snr;
 mod step_time;
 mod window_size;
@@ -89,6 +91,14 @@ pub const STUDIES: &[Study] = &[
         run: periods::run,
     },
     Study {
+        name: "angular-resolution",
+        about: "width of one exact echo over the direction for M = 1 to 8, beside theory",
+        figures: "fig_angular_resolution",
+        presets: BOTH,
+        takes: |_| Vec::new(),
+        run: angular_resolution::run,
+    },
+    Study {
         name: "snr",
         about: "position error over the signal-to-noise ratio, eqs. (19)-(21)",
         figures: "fig09",
@@ -127,6 +137,15 @@ pub const STUDIES: &[Study] = &[
         presets: BOTH,
         takes: |lab| lab.takes(None),
         run: multipath::run,
+    },
+    Study {
+        name: "site",
+        about: "the experimental site in simulation: slip, noise, a microphone beside the loudspeaker",
+        figures: "site/fig11-fig16",
+        presets: PAPER,
+        // It records in a laboratory of its own.
+        takes: |_| Vec::new(),
+        run: site::run,
     },
     Study {
         name: "engine",
@@ -280,6 +299,18 @@ pub fn table(summary: &Summary) -> String {
     }
     for cell in &summary.snr {
         add("snr", format!("{} dB", cell.snr_db), &cell.accuracy);
+    }
+    if let Some(site) = &summary.site {
+        let methods = &site.odometry_drift;
+        add("site", "Doppler".into(), &methods.doppler);
+        add("site", "ToA only".into(), &methods.toa_only);
+        add("site", "odometry".into(), &methods.odometry);
+        for cell in &site.window_size {
+            add("site", format!("{} m", cell.half_width_m), &cell.accuracy);
+        }
+        for cell in &site.snr {
+            add("site", format!("{} dB", cell.snr_db), &cell.accuracy);
+        }
     }
     if let Some(schemes) = &summary.schemes {
         add("schemes", "slf, Doppler".into(), &schemes.slf.doppler);

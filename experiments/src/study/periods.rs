@@ -1,13 +1,13 @@
 //! Position error and paths for several numbers of periods in a block (2023 abstract).
 
 use anyhow::Result;
-use localizer::Parameters;
+use localizer::{Method, Parameters};
 
-use super::doppler_trials;
+use super::{doppler_trials, trials_of};
 use crate::laboratory::Laboratory;
 use crate::summary::{PeriodsCell, Summary};
 use crate::table::{Table, cell};
-use crate::trials::accuracy;
+use crate::trials::{TrialResult, accuracy};
 
 /// Runs the study.
 pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
@@ -24,21 +24,29 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
         })
         .collect();
     let results = lab.trials("periods", &trials)?;
+    // What the wheels alone say stands beside the paths.
+    let odometry = lab.trials("periods", &trials_of(&lab.parameters, Method::Odometry, 1))?;
     let mut table = Table::new(["m", "trial", "mae_m"]);
     let mut paths = Table::new(["m", "t_s", "x_m", "y_m"]);
+    let mut add_path = |name: &str, result: &TrialResult| {
+        for index in 0..result.t_s.len() {
+            paths.push([
+                name.to_string(),
+                cell(result.t_s[index], 4),
+                cell(result.x_m[index], 4),
+                cell(result.y_m[index], 4),
+            ]);
+        }
+    };
     for (trial, result) in trials.iter().zip(&results) {
         let m = trial.parameters.periods.to_string();
         table.push([m.clone(), trial.trial.to_string(), cell(result.mae_m(), 6)]);
         if trial.trial == 0 {
-            for index in 0..result.t_s.len() {
-                paths.push([
-                    m.clone(),
-                    cell(result.t_s[index], 4),
-                    cell(result.x_m[index], 4),
-                    cell(result.y_m[index], 4),
-                ]);
-            }
+            add_path(&m, result);
         }
+    }
+    for result in &odometry {
+        add_path("odometry", result);
     }
     table.write(&lab.data("periods.csv"))?;
     paths.write(&lab.data("periods_paths.csv"))?;

@@ -12,7 +12,7 @@ use crate::trials::{Noise, Trial, accuracy};
 /// Recordings of the study: the direct wave of the localization drive tells the power of the reflected signal.
 pub(crate) fn takes(lab: &Laboratory) -> Vec<Take> {
     let mut takes = lab.takes(None);
-    takes.push(lab.take("localization", None).in_free_field());
+    takes.push(lab.direct_take(&lab.take("localization", None)));
     takes
 }
 

@@ -83,6 +83,14 @@ fn write_data(data: &Path) {
              planar,0,0.1,1,1,0.01\ndoppler,0,0.1,1,1,0.01\n",
         );
     }
+    table(
+        &data.join("angular_resolution.csv"),
+        "m,cos_theta,level\n1,-1,0.2\n1,0.5,1\n1,1,0.7\n6,-1,0.1\n6,0.5,1\n6,1,0.1\n",
+    );
+    table(
+        &data.join("angular_resolution_widths.csv"),
+        "m,half_power_width,theory\n1,0.5,0.49\n6,0.08,0.082\n",
+    );
     for name in ["dual_circle.csv", "dual_circle_published.csv"] {
         table(
             &data.join(name),
@@ -95,6 +103,7 @@ fn write_data(data: &Path) {
 fn every_figure_is_drawn_and_the_same_each_time() {
     let folder = tempfile::tempdir().unwrap();
     write_data(&folder.path().join("data"));
+    write_data(&folder.path().join("site/data"));
     let pictures = |drawn: Vec<Drawn>| -> Vec<Vec<u8>> {
         drawn
             .into_iter()
@@ -105,7 +114,7 @@ fn every_figure_is_drawn_and_the_same_each_time() {
             .collect()
     };
     let first = pictures(draw_all(folder.path()).unwrap());
-    assert_eq!(first.len(), 13);
+    assert_eq!(first.len(), 14 + 7);
     assert_eq!(first, pictures(draw_all(folder.path()).unwrap()));
 }
 

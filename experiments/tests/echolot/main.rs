@@ -3,5 +3,6 @@
 mod cache;
 mod commands;
 mod end_to_end;
+mod example;
 mod figures;
 mod room;

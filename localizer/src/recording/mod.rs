@@ -36,12 +36,35 @@ pub struct RecordingMeta {
     /// Pose at time 0, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<Pose>,
+    /// Place of the loudspeaker on the robot, `[forward, left]` in metres.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub loudspeaker_offset_m: [f64; 2],
+    /// Place of the microphone on the robot, `[forward, left]` in metres.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub microphone_offset_m: [f64; 2],
+    /// What the clock of `odometry.csv` showed at the first sample of the signal, in seconds.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub odometry_clock_s: f64,
+    /// What the clock of `truth.tum` showed at the first sample of the signal, in seconds.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub truth_clock_s: f64,
     /// Where the recording comes from, in any form.
     #[serde(default, skip_serializing_if = "serde_json::Value::is_null")]
     pub provenance: serde_json::Value,
 }
 
+/// Whether a field has its default and need not be written.
+fn is_zero<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 impl RecordingMeta {
+    /// The middle between loudspeaker and microphone on the robot.
+    pub fn sensor_offset_m(&self) -> [f64; 2] {
+        let (one, other) = (self.loudspeaker_offset_m, self.microphone_offset_m);
+        [0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1])]
+    }
+
     /// The waveform and the speed of sound of `parameters`, without start and provenance.
     pub fn from_parameters(parameters: &Parameters) -> Self {
         Self {
@@ -51,6 +74,10 @@ impl RecordingMeta {
             carrier_hz: parameters.carrier_hz,
             speed_of_sound_mps: parameters.speed_of_sound_mps,
             start: None,
+            loudspeaker_offset_m: [0.0; 2],
+            microphone_offset_m: [0.0; 2],
+            odometry_clock_s: 0.0,
+            truth_clock_s: 0.0,
             provenance: serde_json::Value::Null,
         }
     }
@@ -113,13 +140,14 @@ impl Recording {
         } else {
             None
         };
-        let recording = Self {
+        let mut recording = Self {
             signal,
             direct,
             odometry: odometry::read(&folder.join("odometry.csv"))?,
             truth,
             meta,
         };
+        recording.shift_clocks(-1.0);
         recording.check(&folder.display().to_string())?;
         Ok(recording)
     }
@@ -139,11 +167,31 @@ impl Recording {
         if let Some(direct) = &self.direct {
             wav::write(&folder.join("direct.wav"), direct, self.meta.sample_rate_hz)?;
         }
-        if let Some(truth) = &self.truth {
+        let mut logs = Self {
+            signal: Vec::new(),
+            direct: None,
+            odometry: self.odometry.clone(),
+            truth: self.truth.clone(),
+            meta: self.meta.clone(),
+        };
+        logs.shift_clocks(1.0);
+        if let Some(truth) = &logs.truth {
             truth.write_tum(&folder.join("truth.tum"))?;
         }
-        odometry::write(&folder.join("odometry.csv"), &self.odometry)?;
+        odometry::write(&folder.join("odometry.csv"), &logs.odometry)?;
         files::write_json(&folder.join("recording.json"), &self.meta)
+    }
+
+    /// Adds `sign` times what the logs' own clocks showed at the first sample to their times.
+    fn shift_clocks(&mut self, sign: f64) {
+        let shift_s = sign * self.meta.odometry_clock_s;
+        for sample in &mut self.odometry {
+            sample.t_s += shift_s;
+        }
+        let shift_s = sign * self.meta.truth_clock_s;
+        for t_s in self.truth.iter_mut().flat_map(|truth| &mut truth.t_s) {
+            *t_s += shift_s;
+        }
     }
 
     /// Checks that signal, direct wave and odometry fit together.
@@ -261,6 +309,23 @@ mod tests {
                 .extension()
                 .is_some_and(|end| end != "part")
         }));
+    }
+
+    #[test]
+    fn logs_keep_their_own_clocks_in_the_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut written = recording();
+        written.meta.odometry_clock_s = 512.25;
+        written.meta.truth_clock_s = 1.7e9;
+        written.meta.microphone_offset_m = [0.1, -0.02];
+        written.write(folder.path()).unwrap();
+        let text = std::fs::read_to_string(folder.path().join("truth.tum")).unwrap();
+        assert!(text.starts_with("1700000000.000000 "), "{text}");
+        let read = Recording::read(folder.path()).unwrap();
+        let pairs = || read.odometry.iter().zip(&written.odometry);
+        assert!(pairs().all(|(a, b)| (a.t_s - b.t_s).abs() < 1e-9));
+        assert_eq!(read.truth.as_ref().unwrap().t_s, [0.0]);
+        assert_eq!(read.meta.sensor_offset_m(), [0.05, -0.01]);
     }
 
     #[test]

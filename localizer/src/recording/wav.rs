@@ -1,5 +1,7 @@
 //! Mono WAV files: 32-bit float, or 16, 24 and 32-bit integers scaled to full scale 1.
 
+use std::fs::File;
+use std::io::BufWriter;
 use std::path::Path;
 
 use hound::{SampleFormat, WavReader, WavSpec, WavWriter};
@@ -62,6 +64,36 @@ pub fn read(path: &Path, sample_rate_hz: f64) -> Result<Vec<f32>, Error> {
 /// # Errors
 /// [`Error`] when the rate is not a whole number of hertz or the file cannot be written.
 pub fn write(path: &Path, samples: &[f32], sample_rate_hz: f64) -> Result<(), Error> {
+    write_as(path, sample_rate_hz, SampleFormat::Float, |writer| {
+        samples
+            .iter()
+            .try_for_each(|&sample| writer.write_sample(sample))
+    })
+}
+
+/// Writes a mono 16-bit WAV file, as a 16-bit converter delivers it: the loudest sample at 0.9 of full scale.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_pcm16(path: &Path, samples: &[f32], sample_rate_hz: f64) -> Result<(), Error> {
+    let peak = samples
+        .iter()
+        .fold(f32::MIN_POSITIVE, |peak, sample| peak.max(sample.abs()));
+    let scale = 0.9 * f32::from(i16::MAX) / peak;
+    write_as(path, sample_rate_hz, SampleFormat::Int, |writer| {
+        samples
+            .iter()
+            .try_for_each(|&sample| writer.write_sample((scale * sample).round() as i16))
+    })
+}
+
+/// Writes a mono WAV file whose samples `fill` writes: 32-bit float or 16-bit integers.
+fn write_as(
+    path: &Path,
+    sample_rate_hz: f64,
+    sample_format: SampleFormat,
+    fill: impl Fn(&mut WavWriter<BufWriter<File>>) -> Result<(), hound::Error>,
+) -> Result<(), Error> {
     let sample_rate = sample_rate_hz.round() as u32;
     if (f64::from(sample_rate) - sample_rate_hz).abs() > 1e-9 || sample_rate == 0 {
         let problem = format!("{sample_rate_hz} Hz cannot be written");
@@ -75,15 +107,16 @@ pub fn write(path: &Path, samples: &[f32], sample_rate_hz: f64) -> Result<(), Er
     let spec = WavSpec {
         channels: 1,
         sample_rate,
-        bits_per_sample: 32,
-        sample_format: SampleFormat::Float,
+        bits_per_sample: match sample_format {
+            SampleFormat::Float => 32,
+            SampleFormat::Int => 16,
+        },
+        sample_format,
     };
     files::write_whole(path, |temporary| {
         let write_all = || -> Result<(), hound::Error> {
             let mut writer = WavWriter::create(temporary, spec)?;
-            for &sample in samples {
-                writer.write_sample(sample)?;
-            }
+            fill(&mut writer)?;
             writer.finalize()
         };
         write_all().map_err(|error| of_hound(path, error))
@@ -106,9 +139,22 @@ fn of_hound(path: &Path, error: hound::Error) -> Error {
 mod tests {
     use super::*;
 
+    #[test]
+    fn sixteen_bits_keep_the_shape() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pcm.wav");
+        let samples: Vec<f32> = (0..1000).map(|k| 20.0 * (k as f32 * 0.1).sin()).collect();
+        write_pcm16(&path, &samples, 50_000.0).unwrap();
+        let read = read(&path, 50_000.0).unwrap();
+        let peak = samples.iter().fold(0.0_f32, |peak, x| peak.max(x.abs()));
+        for (read, sample) in read.iter().zip(&samples) {
+            assert!((read - 0.9 * sample / peak).abs() < 2e-5, "{read} {sample}");
+        }
+    }
+
     fn file(
         spec: WavSpec,
-        fill: impl Fn(&mut WavWriter<std::io::BufWriter<std::fs::File>>),
+        fill: impl Fn(&mut WavWriter<BufWriter<File>>),
     ) -> tempfile::TempPath {
         let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
         let mut writer = WavWriter::create(&path, spec).unwrap();

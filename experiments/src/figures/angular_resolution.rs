@@ -1,0 +1,86 @@
+//! Angular resolution over the number of periods M: the bank's answer to one exact echo, and its half-power width beside theory.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::axes::{Axes, TITLE};
+use super::axis::Axis;
+use super::canvas::{self, Marker, Stroke};
+use super::colour;
+use super::legend::{Entry, legend};
+use super::periods::style_of;
+use crate::table::Table;
+
+/// Draws the figure.
+///
+/// # Errors
+/// When a data file is missing or damaged, or the picture cannot be written.
+pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
+    let answers = Table::read(&data.join("angular_resolution.csv"))?;
+    let widths = Table::read(&data.join("angular_resolution_widths.csv"))?;
+    let pairs = |column: &str| -> Result<Vec<(f64, f64)>> {
+        Ok(widths
+            .numbers("m")?
+            .into_iter()
+            .zip(widths.numbers(column)?)
+            .collect())
+    };
+    let (measured, theory) = (pairs("half_power_width")?, pairs("theory")?);
+    let line = Stroke::solid(colour::BLACK, 3.0).dashed(&[12.0, 8.0]);
+    canvas::draw(picture, 1800, 1000, |sheet| {
+        let title = "Angles are told apart 1/M as finely as the Doppler cell says";
+        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        let left = Axes::new(
+            sheet,
+            [170.0, 225.0, 870.0, 870.0],
+            Axis::new(-1.0, 1.0, "cosine of the angle to the heading"),
+            Axis::new(0.0, 1.05, "intensity / maximum"),
+        );
+        left.grid()?;
+        let mut entries = Vec::new();
+        for m in &answers.distinct("m")? {
+            let Some((stroke, marker)) = style_of(m) else {
+                continue;
+            };
+            let rows = answers.only("m", m)?;
+            let points: Vec<(f64, f64)> = rows
+                .numbers("cos_theta")?
+                .into_iter()
+                .zip(rows.numbers("level")?)
+                .collect();
+            left.curve(&points, stroke)?;
+            entries.push(Entry {
+                stroke: Some(stroke),
+                marker: Some((marker, stroke.colour)),
+                text: format!("M = {m}"),
+            });
+        }
+        left.finish("(a) one echo from 60\u{b0} at 0.3 m/s")?;
+        let highest = measured.iter().chain(&theory).map(|point| point.1);
+        let highest = highest.fold(1e-3, f64::max);
+        let right = Axes::new(
+            sheet,
+            [1050.0, 225.0, 1750.0, 870.0],
+            Axis::around(
+                measured.iter().map(|point| point.0),
+                0.08,
+                "periods M in a block",
+            ),
+            Axis::new(0.0, 1.08 * highest, "half-power width in cos \u{3b8}"),
+        );
+        right.grid()?;
+        right.curve(&theory, line)?;
+        for &(m, width) in &measured {
+            let style = style_of(&m.to_string());
+            let (shade, marker) = style.map_or((colour::GREY, Marker::Disc), |(stroke, marker)| {
+                (stroke.colour, marker)
+            });
+            right.markers(&[(m, width)], marker, 24.0, shade)?;
+        }
+        right.finish("(b) resolution")?;
+        entries.push(Entry::line(line, "theory 0.886 c / (2 f M T v)"));
+        legend(sheet, [170.0, 85.0], 1600.0, &entries)?;
+        Ok(())
+    })
+}

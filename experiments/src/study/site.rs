@@ -1,0 +1,35 @@
+//! The experimental site (2024 paper, section IV) in simulation: its studies on another scene with a robot whose wheels slip
+//! and whose microphone is noisy (Figs. 11 to 16).
+
+use anyhow::{Context, Result};
+
+use super::{layout, note_simulations, odometry_drift, reflections, snr, window_size};
+use crate::interrupt;
+use crate::laboratory::Laboratory;
+use crate::summary::{Site, Summary};
+
+/// Runs the study: the other studies do the work, in the site's own laboratory.
+pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
+    let site = lab.site()?;
+    let takes = snr::takes(&site);
+    site.record(&takes)?;
+    note_simulations(&site, &takes, summary)?;
+    let mut own = Summary::new(lab.preset);
+    for study in [
+        layout::run,
+        odometry_drift::run,
+        window_size::run,
+        reflections::run,
+        snr::run,
+    ] {
+        interrupt::check()?;
+        study(&site, &mut own)?;
+    }
+    summary.site = Some(Site {
+        odometry_drift: own.odometry_drift.context("no accuracy of the site")?,
+        window_size: own.window_size,
+        reflections: own.reflections.context("no reflections of the site")?,
+        snr: own.snr,
+    });
+    Ok(())
+}

@@ -7,7 +7,7 @@ use fdtd::validation::dispersion::all;
 #[test]
 fn phase_velocity_over_frequency_and_angle() {
     let velocities = all(Depth::Full).expect("finite fields");
-    assert_eq!(velocities.len(), 2 * 2 * 4 + 3 * 6);
+    assert_eq!(velocities.len(), 3 * 2 * 4 + 3 * 6);
     for velocity in velocities {
         println!("dispersion: {velocity:?}");
         assert!(velocity.error.abs() < 1e-4, "{velocity:?}");

@@ -79,7 +79,7 @@ pub fn write_pcm16(path: &Path, samples: &[f32], sample_rate_hz: f64) -> Result<
     let peak = samples
         .iter()
         .fold(f32::MIN_POSITIVE, |peak, sample| peak.max(sample.abs()));
-    let scale = 0.9 * f32::from(i16::MAX) / peak;
+    let scale = 0.9 * (f32::from(i16::MAX) + 1.0) / peak;
     write_as(path, sample_rate_hz, SampleFormat::Int, |writer| {
         samples
             .iter()
@@ -152,10 +152,7 @@ mod tests {
         }
     }
 
-    fn file(
-        spec: WavSpec,
-        fill: impl Fn(&mut WavWriter<BufWriter<File>>),
-    ) -> tempfile::TempPath {
+    fn file(spec: WavSpec, fill: impl Fn(&mut WavWriter<BufWriter<File>>)) -> tempfile::TempPath {
         let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
         let mut writer = WavWriter::create(&path, spec).unwrap();
         fill(&mut writer);

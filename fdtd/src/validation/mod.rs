@@ -3,7 +3,6 @@
 //! Each file measures one kind of law and says layout, formula, known bias and tolerance at its top. A measurement is a number with the
 //! range that it may have.
 
-pub mod diffraction;
 pub mod direct_method;
 pub mod dispersion;
 pub mod echo;

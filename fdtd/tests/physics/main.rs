@@ -9,7 +9,6 @@ mod box_modes;
 mod coincident_pair;
 mod corner;
 mod determinism;
-mod diffraction;
 mod dispersion;
 mod doppler;
 mod drift;

@@ -19,6 +19,7 @@ fn stroke(scheme: &str, angle_deg: &str) -> Stroke {
     let shade = match scheme {
         "slf" => colour::VERMILLION,
         "m13" => colour::BLUE,
+        "o13" => colour::GREEN,
         _ => colour::BLACK,
     };
     let dashes: &[f64] = match angle_deg {

@@ -181,6 +181,10 @@ impl Robot {
         recording.truth = Some(self.tracking(path));
         recording.meta.odometry_clock_s = self.odometry_clock_s;
         recording.meta.truth_clock_s = self.tracking_clock_s;
+        if let Some(provenance) = recording.meta.provenance.as_object_mut() {
+            provenance.remove("odometry_bias_radps");
+            provenance.insert("robot".to_string(), serde_json::json!(self));
+        }
         self.add_noise(&mut recording.signal, name);
     }
 }

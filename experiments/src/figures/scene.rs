@@ -13,11 +13,13 @@ use super::legend::{Entry, legend};
 /// Spacing of the drawn points of a path, seconds.
 const STEP_S: f64 = 0.05;
 
-const STROKES: [Stroke; 4] = [
+const STROKES: [Stroke; 6] = [
     Stroke::solid(colour::BLUE, 5.0),
     Stroke::solid(colour::GREEN, 3.5).dashed(&[16.0, 8.0]),
     Stroke::solid(colour::VERMILLION, 4.0).dashed(&[6.0, 8.0]),
     Stroke::solid(colour::PURPLE, 4.0).dashed(&[22.0, 9.0, 5.0, 9.0]),
+    Stroke::solid(colour::ORANGE, 3.5),
+    Stroke::solid(colour::BLACK, 3.5).dashed(&[9.0, 7.0]),
 ];
 
 /// The walls and the size of a scene.

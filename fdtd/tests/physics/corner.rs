@@ -32,6 +32,7 @@ fn scene() -> Scene {
         name: "a right-angled corner".into(),
         description: String::new(),
         medium: AIR,
+        air: None,
         grid: Grid {
             nx: 360,
             ny: 360,

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::Result;
 use fdtd::scheme::Scheme;
 use fdtd::validation::rig::{AIR, DT_S, DX_M};
-use fdtd::validation::{Depth, LAWS, Measurement, dispersion};
+use fdtd::validation::{Depth, LAWS, Measurement, dispersion, scene_echoes};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -177,7 +177,66 @@ fn measured(depth: Depth) -> Result<Table> {
     Ok(table)
 }
 
-/// Writes `validation.json`, `table.md` and the data of the figure into `folder`.
+/// Echoes of the scene, field and images: the signals at a place of the whole scene, and what every echo that stands alone is off.
+fn scene_echoes(depth: Depth, data: &Path) -> Result<()> {
+    let places = scene_echoes::places(depth)?;
+    let mut signal = Table::new(["t_ms", "field_pa", "images_pa"]);
+    if let Some(place) = places.iter().find(|place| place.whole) {
+        // At 60 kHz, from the burst's peak on.
+        let since_s = |n: usize| n as f64 * DT_S - scene_echoes::burst().centre_s;
+        for n in (0..place.heard.len())
+            .step_by(2)
+            .filter(|&n| since_s(n) >= 0.0)
+        {
+            signal.push([
+                cell(1e3 * since_s(n), 4),
+                format!("{:.4e}", place.heard[n]),
+                format!("{:.4e}", place.images[n]),
+            ]);
+        }
+    }
+    signal.write(&data.join("scene_signal.csv"))?;
+    let header = [
+        "x_m",
+        "y_m",
+        "scene",
+        "kind",
+        "walls",
+        "length_m",
+        "louder_db",
+        "late_us",
+        "late_on_c_us",
+    ];
+    let mut table = Table::new(header);
+    for place in &places {
+        for echo in &place.echoes {
+            table.push([
+                cell(place.place_m[0], 4),
+                cell(place.place_m[1], 4),
+                if place.whole {
+                    "all walls"
+                } else {
+                    "pair along the grid"
+                }
+                .to_string(),
+                scene_echoes::kind_name(echo.kind).to_string(),
+                if echo.along_grid {
+                    "along the grid"
+                } else {
+                    "slanted"
+                }
+                .to_string(),
+                cell(echo.length_m, 4),
+                cell(echo.louder_db, 3),
+                cell(1e6 * echo.late_s, 2),
+                cell(1e6 * echo.late_on_c_s, 1),
+            ]);
+        }
+    }
+    table.write(&data.join("scene_echoes.csv"))
+}
+
+/// Writes `validation.json`, `table.md` and the data of the figures into `folder`.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -199,18 +258,21 @@ pub fn write(rows: &[Row], depth: Depth, folder: &Path) -> Result<()> {
     }
     atomic::write(&folder.join("table.md"), text.as_bytes())?;
     let data = folder.join("data");
+    scene_echoes(depth, &data)?;
     curves().write(&data.join("dispersion.csv"))?;
     measured(depth)?.write(&data.join("phase_velocity.csv"))
 }
 
-/// Draws the figure from the data in `folder`.
+/// Draws the figures from the data in `folder`.
 ///
 /// # Errors
 /// When the data is missing or damaged, or the picture cannot be written.
-pub fn draw(folder: &Path) -> Result<std::path::PathBuf> {
-    let picture = folder.join("figures").join("fig_dispersion.png");
-    figures::dispersion::draw(&folder.join("data"), &picture)?;
-    Ok(picture)
+pub fn draw(folder: &Path) -> Result<Vec<std::path::PathBuf>> {
+    let (data, figures) = (folder.join("data"), folder.join("figures"));
+    let pictures = ["fig_dispersion.png", "fig_scene_echoes.png"].map(|name| figures.join(name));
+    figures::dispersion::draw(&data, &pictures[0])?;
+    figures::scene_echoes::draw(&data, &pictures[1])?;
+    Ok(pictures.to_vec())
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //!
 //! All three take the same mole fraction of water vapour but [`absorption`], which has its own in the standard.
 
+pub mod absorbed;
 pub mod absorption;
 mod density;
 mod sound_speed;

@@ -236,7 +236,7 @@ fn scene_echoes(depth: Depth, data: &Path) -> Result<()> {
     table.write(&data.join("scene_echoes.csv"))
 }
 
-/// Writes `validation.json`, `table.md` and the data of the figures into `folder`.
+/// Writes `validation.json`, `table.md`, `laws.md` and the data of the figures into `folder`.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -257,10 +257,59 @@ pub fn write(rows: &[Row], depth: Depth, folder: &Path) -> Result<()> {
         }
     }
     atomic::write(&folder.join("table.md"), text.as_bytes())?;
+    atomic::write(&folder.join("laws.md"), laws(rows).as_bytes())?;
     let data = folder.join("data");
     scene_echoes(depth, &data)?;
     curves().write(&data.join("dispersion.csv"))?;
     measured(depth)?.write(&data.join("phase_velocity.csv"))
+}
+
+/// How near to its limit a measurement comes: 1 at the limit, above beyond it.
+fn nearness(measurement: &Measurement) -> f64 {
+    let measured = measurement.measured;
+    match (measurement.least, measurement.most) {
+        (Some(least), Some(most)) => {
+            (measured - 0.5 * (least + most)).abs() / (0.5 * (most - least))
+        }
+        (None, Some(most)) if most < 0.0 => most / measured,
+        (None, Some(most)) => measured / most,
+        (Some(least), None) => least / measured,
+        (None, None) => 0.0,
+    }
+}
+
+/// One line per law: how much was measured, and what came nearest to its limit. README quotes it.
+pub fn laws(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "| law | within tolerance | nearest to its limit | tolerance | measured | verdict |\n|---|---|---|---|---|---|\n",
+    );
+    for law in LAWS {
+        let of_law: Vec<&Row> = rows
+            .iter()
+            .filter(|row| row.law == law.name && !row.measurement.informative)
+            .collect();
+        let nearest = of_law.iter().max_by(|one, other| {
+            nearness(&one.measurement).total_cmp(&nearness(&other.measurement))
+        });
+        let Some(nearest) = nearest else { continue };
+        let passed = of_law.iter().filter(|row| row.passed).count();
+        let measurement = &nearest.measurement;
+        text.push_str(&format!(
+            "| {} | {passed} of {} | {}: {} | {} | {} | {} |\n",
+            law.name,
+            of_law.len(),
+            measurement.case,
+            measurement.quantity,
+            tolerance(measurement),
+            number(measurement.measured),
+            if passed == of_law.len() {
+                "passed"
+            } else {
+                "**FAILED**"
+            },
+        ));
+    }
+    text
 }
 
 /// Draws the figures from the data in `folder`.
@@ -307,6 +356,26 @@ mod tests {
         assert_eq!(tolerance(&good.measurement), "\u{b1} 0.100");
         assert_eq!(tolerance(&bad.measurement), "< -60.000");
         assert!(table(&[good]).contains("passed"));
+    }
+
+    #[test]
+    fn a_law_is_told_by_what_comes_nearest_to_its_limit() {
+        let row = |measured: f64| {
+            let measurement = Measurement::within("case".into(), "level, dB", measured, 0.1);
+            Row {
+                law: LAWS[0].name,
+                passed: measurement.passed(),
+                measurement,
+            }
+        };
+        let text = laws(&[row(0.01), row(-0.08), row(0.02)]);
+        assert!(
+            text.contains("| 3 of 3 | case: level, dB | \u{b1} 0.100 | -0.080 | passed |"),
+            "{text}"
+        );
+        assert!(laws(&[row(0.2), row(0.02)]).contains("| 1 of 2 |"));
+        let below = Measurement::below("case".into(), "reflection, dB", -80.0, -60.0);
+        assert_eq!(nearness(&below), 0.75);
     }
 
     #[test]

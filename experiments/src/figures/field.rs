@@ -125,16 +125,16 @@ pub(crate) fn draw(scene: &Scene, path: &str, t_s: f64, picture: &Path) -> Resul
             text: text.to_string(),
         };
         let entries = [
-            Entry::line(Stroke::solid(colour::BLACK, 10.0), "rigid wall"),
+            Entry::line(Stroke::solid(colour::BLACK, 10.0), "wall"),
             Entry {
                 stroke: None,
                 marker: Some((Marker::Disc, colour::GREEN)),
                 text: "robot".to_string(),
             },
-            swatch(0.7, "pressure above"),
-            swatch(-0.7, "below the mean"),
+            swatch(0.7, "high pressure"),
+            swatch(-0.7, "low pressure"),
         ];
-        legend(sheet, [120.0, 1190.0], 1030.0, &entries)?;
+        legend(sheet, [50.0, 1188.0], 1110.0, &entries)?;
         Ok(())
     })
 }

@@ -6,6 +6,9 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
 use fdtd::image_source::{self, DrivingPair, ImageSourceOptions};
+use fdtd::medium::Air;
+use fdtd::medium::absorbed::{LONGEST_M, Stamped};
+use fdtd::medium::absorption::nepers_per_metre;
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
 use fdtd::simulation::{Flow, Outcome, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
@@ -60,6 +63,9 @@ pub struct Take {
     /// Spreading of source and receiver; the scene's when absent.
     #[serde(skip)]
     pub spread: Option<Spread>,
+    /// With the source strength times the time since the middle of the drive; see [`fdtd::medium::absorbed`].
+    #[serde(skip)]
+    pub stamped: bool,
     /// Without walls: the direct wave alone.
     pub free_field: bool,
     /// Steady error of the odometry's turn rate, rad/s.
@@ -74,8 +80,17 @@ impl Take {
             engine,
             scheme: None,
             spread: None,
+            stamped: false,
             free_field: false,
             odometry_bias_radps: ODOMETRY_BIAS_RADPS,
+        }
+    }
+
+    /// The same with the sound stamped by the time of sending.
+    pub fn stamped(&self) -> Self {
+        Self {
+            stamped: true,
+            ..self.clone()
         }
     }
 
@@ -144,6 +159,7 @@ fn field_options(take: &Take, threads: usize) -> SimulationOptions {
         spread: take.spread,
         threads,
         free_field: take.free_field,
+        stamped: take.stamped,
         ..SimulationOptions::default()
     }
 }
@@ -194,7 +210,10 @@ fn image_signal(scene: &Scene, take: &Take) -> Result<Vec<f32>> {
         &source_waveform(scene)?,
         &scene.medium,
         scene.sample_rate_hz,
-        &ImageSourceOptions::default(),
+        &ImageSourceOptions {
+            stamped: take.stamped,
+            ..ImageSourceOptions::default()
+        },
     );
     for sample in &mut signal {
         *sample *= SOURCE_STRENGTH_M2PS as f32;
@@ -267,6 +286,38 @@ fn field_signal(
             Err(Interrupted.into())
         }
     }
+}
+
+/// The signal of a take with what the air absorbs, from it and its stamped twin ([`Take::stamped`]).
+///
+/// # Errors
+/// When the scene has no such path.
+pub fn absorbed(
+    scene: &Scene,
+    take: &Take,
+    plain: &[f32],
+    stamped: &[f32],
+    air: &Air,
+) -> Result<Vec<f32>> {
+    let signals = Stamped {
+        plain,
+        stamped,
+        middle_s: 0.5 * scene.path(&take.path)?.duration_s(),
+        sample_rate_hz: scene.sample_rate_hz,
+    };
+    let alpha = |frequency_hz: f64| nepers_per_metre(air, frequency_hz);
+    Ok(signals.absorbed(scene.medium.c_mps, &alpha))
+}
+
+/// Writes the air that absorbed into a recording's provenance.
+pub fn tell_air(recording: &mut Recording, air: &Air) {
+    recording.meta.provenance["absorption"] = serde_json::json!({
+        "formula": "ISO 9613-1",
+        "temperature_degc": air.temperature_degc,
+        "relative_humidity_percent": air.relative_humidity_percent,
+        "pressure_pa": air.pressure_pa,
+        "longest_path_m": LONGEST_M,
+    });
 }
 
 /// Saves a checkpoint, making its folder.

@@ -4,6 +4,7 @@ use super::locate::describe;
 use super::{Robot, Scene, WaveformSpec};
 use crate::error::Error;
 use crate::grid::{Grid, Medium};
+use crate::medium::{Air, STANDARD_PRESSURE_PA};
 use crate::motion::{DriveLimits, DrivePath, Leg, MotionState, relocate};
 use crate::scheme::Scheme;
 use crate::spread::Spread;
@@ -28,7 +29,7 @@ pub(super) struct SceneFile {
     #[serde(default)]
     description: String,
     /// The air.
-    #[serde(default)]
+    #[serde(default = "default_medium")]
     medium: MediumFile,
     /// Size and step of the grid.
     grid: GridFile,
@@ -58,25 +59,39 @@ pub(super) struct SceneFile {
     paths: BTreeMap<String, PathFile>,
 }
 
-/// A homogeneous fluid at rest.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+/// The air at rest, by its numbers (`c_mps` and `rho_kgpm3`) or by its weather (`temperature_degc` and `relative_humidity_percent`, with
+/// `pressure_pa` if it is not the standard atmosphere's), not both.
+#[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 #[schemars(rename = "Medium")]
 struct MediumFile {
     /// Speed of sound in m/s.
-    c_mps: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("default" = DEFAULT_MEDIUM.c_mps))]
+    c_mps: Option<f64>,
     /// Density in kg/m^3.
-    rho_kgpm3: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("default" = DEFAULT_MEDIUM.rho_kgpm3))]
+    rho_kgpm3: Option<f64>,
+    /// Temperature in degC, 0 to 30.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    temperature_degc: Option<f64>,
+    /// Relative humidity in percent, 0 to 100.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    relative_humidity_percent: Option<f64>,
+    /// Pressure in pascals, 60000 to 110000 (default 101325); only with temperature and humidity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pressure_pa: Option<f64>,
 }
 
-impl Default for MediumFile {
-    fn default() -> Self {
-        Self {
-            c_mps: 340.0,
-            rho_kgpm3: 1.293,
-        }
-    }
-}
+/// The medium of a scene that says nothing about it.
+const DEFAULT_MEDIUM: Medium = Medium {
+    c_mps: 340.0,
+    rho_kgpm3: 1.293,
+};
 
 /// Size and step of the grid; the domain is `[0, nx dx] x [0, ny dx]` and includes the absorbing layer.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
@@ -159,6 +174,14 @@ struct LegFile {
     omega_radps: f64,
 }
 
+fn default_medium() -> MediumFile {
+    MediumFile {
+        c_mps: Some(DEFAULT_MEDIUM.c_mps),
+        rho_kgpm3: Some(DEFAULT_MEDIUM.rho_kgpm3),
+        ..MediumFile::default()
+    }
+}
+
 fn default_layer_cells() -> usize {
     20
 }
@@ -194,6 +217,7 @@ impl SceneFile {
             let path = path.into_path(&name, origin)?;
             paths.insert(name, path);
         }
+        let (medium, air) = self.medium.resolve(&origin.display().to_string())?;
         let walls = self.walls.into_iter().map(|wall| Wall {
             points_m: wall.points_m,
             thickness_m: wall.thickness_m,
@@ -201,10 +225,8 @@ impl SceneFile {
         Ok(Scene {
             name: self.name,
             description: self.description,
-            medium: Medium {
-                c_mps: self.medium.c_mps,
-                rho_kgpm3: self.medium.rho_kgpm3,
-            },
+            medium,
+            air,
             grid: Grid {
                 nx: self.grid.nx,
                 ny: self.grid.ny,
@@ -220,6 +242,43 @@ impl SceneFile {
             robot: self.robot,
             paths,
         })
+    }
+}
+
+impl MediumFile {
+    /// The medium, and the air behind it where it is given by its weather.
+    fn resolve(self, origin: &str) -> Result<(Medium, Option<Air>), Error> {
+        let refuse = |problem: &str| {
+            let remedy = "give `temperature_degc` and `relative_humidity_percent` (and `pressure_pa`), or `c_mps` and `rho_kgpm3`";
+            Err(Error::invalid(origin, "medium", problem, remedy))
+        };
+        let plain = self.c_mps.is_some() || self.rho_kgpm3.is_some();
+        match (self.temperature_degc, self.relative_humidity_percent) {
+            (None, None) if self.pressure_pa.is_some() => {
+                refuse("`pressure_pa` needs temperature and humidity")
+            }
+            (None, None) => Ok((
+                Medium {
+                    c_mps: self.c_mps.unwrap_or(DEFAULT_MEDIUM.c_mps),
+                    rho_kgpm3: self.rho_kgpm3.unwrap_or(DEFAULT_MEDIUM.rho_kgpm3),
+                },
+                None,
+            )),
+            _ if plain => {
+                refuse("speed of sound or density stands beside the weather they follow from")
+            }
+            (Some(_), None) => refuse("`relative_humidity_percent` is missing"),
+            (None, Some(_)) => refuse("`temperature_degc` is missing"),
+            (Some(temperature_degc), Some(relative_humidity_percent)) => {
+                let air = Air {
+                    temperature_degc,
+                    relative_humidity_percent,
+                    pressure_pa: self.pressure_pa.unwrap_or(STANDARD_PRESSURE_PA),
+                };
+                air.check(origin, "medium.")?;
+                Ok((air.medium(), Some(air)))
+            }
+        }
     }
 }
 

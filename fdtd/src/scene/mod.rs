@@ -7,6 +7,7 @@ mod locate;
 
 use crate::error::Error;
 use crate::grid::{Grid, Medium};
+use crate::medium::Air;
 use crate::motion::DrivePath;
 use crate::scheme::Scheme;
 use crate::spread::Spread;
@@ -32,8 +33,10 @@ pub struct Scene {
     pub name: String,
     /// What the scene shows, in a sentence or two.
     pub description: String,
-    /// The air.
+    /// The medium of the field.
     pub medium: Medium,
+    /// The air that `medium` follows from, where the scene gives its weather; the absorption needs it.
+    pub air: Option<Air>,
     /// Size and step of the grid.
     pub grid: Grid,
     /// Width of the absorbing layer on each of the four sides, in cells.

@@ -34,6 +34,8 @@ pub struct SimulationOptions {
     pub threads: usize,
     /// Without walls, in a domain cropped to the drive and its absorbing layer.
     pub free_field: bool,
+    /// Source strength times the time since the middle of the drive, which tells travel times ([`crate::medium::absorbed`]).
+    pub stamped: bool,
     /// Use the plain engine, the oracle of the fast one.
     pub reference_engine: bool,
 }
@@ -142,11 +144,15 @@ impl Simulation {
         }
         let shift = move |p: [f64; 2]| [p[0] - origin_m[0], p[1] - origin_m[1]];
         let (path_a, path_b, waveform) = (path.clone(), path, waveform.clone());
+        let (stamped, middle_s) = (options.stamped, 0.5 * duration_s);
         let drive = Drive::new(
             &domain,
             Box::new(move |t| shift(path_a.point_at(t, robot.loudspeaker_offset_m))),
             Box::new(move |t| shift(path_b.point_at(t, robot.microphone_offset_m))),
-            Box::new(move |t| SOURCE_STRENGTH_M2PS * waveform.value(t)),
+            Box::new(move |t| {
+                let stamp = if stamped { t - middle_s } else { 1.0 };
+                stamp * SOURCE_STRENGTH_M2PS * waveform.value(t)
+            }),
             robot.loudspeaker_offset_m == robot.microphone_offset_m,
         );
         Self::from_parts(

@@ -36,6 +36,7 @@ fn scene(scheme: Scheme, path: DrivePath) -> Scene {
         name: "a slanted wall".into(),
         description: String::new(),
         medium: AIR,
+        air: None,
         grid: Grid {
             nx: 200,
             ny: 180,

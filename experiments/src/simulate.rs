@@ -10,6 +10,7 @@ use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
 use fdtd::simulation::{Flow, Outcome, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
 use fdtd::spread::Spread;
+use fdtd::walls::WallModel;
 use fdtd::waveform::PeriodicWaveform;
 use localizer::recording::{OdometrySample, Recording, RecordingMeta};
 use localizer::{Parameters, Pose, Trajectory};
@@ -60,6 +61,9 @@ pub struct Take {
     /// Spreading of source and receiver; the scene's when absent.
     #[serde(skip)]
     pub spread: Option<Spread>,
+    /// How walls become cells of the field; the scene's way when absent.
+    #[serde(skip)]
+    pub wall_model: Option<WallModel>,
     /// Without walls: the direct wave alone.
     pub free_field: bool,
     /// Steady error of the odometry's turn rate, rad/s.
@@ -74,6 +78,7 @@ impl Take {
             engine,
             scheme: None,
             spread: None,
+            wall_model: None,
             free_field: false,
             odometry_bias_radps: ODOMETRY_BIAS_RADPS,
         }
@@ -142,6 +147,7 @@ fn field_options(take: &Take, threads: usize) -> SimulationOptions {
     SimulationOptions {
         scheme: take.scheme,
         spread: take.spread,
+        wall_model: take.wall_model,
         threads,
         free_field: take.free_field,
         ..SimulationOptions::default()
@@ -326,6 +332,7 @@ pub fn recording(scene: &Scene, take: &Take, signal: Vec<f32>, seconds: f64) -> 
                 "engine": take.engine,
                 "scheme": take.scheme.unwrap_or(scene.scheme),
                 "spread": take.spread.unwrap_or(scene.spread),
+                "wall_model": take.wall_model.unwrap_or(scene.wall_model),
                 "free_field": take.free_field,
                 "odometry_bias_radps": take.odometry_bias_radps,
                 "seconds": (seconds * 10.0).round() / 10.0,
@@ -360,6 +367,7 @@ pub fn engine_print(take: &Take, scene: &Scene) -> Result<String> {
         path: "probe".to_string(),
         scheme: Some(take.scheme.unwrap_or(scene.scheme)),
         spread: Some(take.spread.unwrap_or(scene.spread)),
+        wall_model: Some(take.wall_model.unwrap_or(scene.wall_model)),
         ..take.clone()
     };
     let task = crate::progress::Board::new().task("probe", 1);

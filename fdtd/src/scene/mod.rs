@@ -10,7 +10,7 @@ use crate::grid::{Grid, Medium};
 use crate::motion::DrivePath;
 use crate::scheme::Scheme;
 use crate::spread::Spread;
-use crate::walls::Wall;
+use crate::walls::{Wall, WallModel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -44,6 +44,8 @@ pub struct Scene {
     pub spread: Spread,
     /// Rigid walls.
     pub walls: Vec<Wall>,
+    /// How the walls become cells of the grid.
+    pub wall_model: WallModel,
     /// What the loudspeaker repeats.
     pub waveform: WaveformSpec,
     /// Sampling rate of the microphone signal in hertz.

@@ -10,6 +10,7 @@ pub mod free_field;
 pub mod layer;
 pub mod rig;
 pub mod room;
+pub mod tilted;
 
 use serde::Serialize;
 
@@ -90,7 +91,7 @@ pub struct Law {
 }
 
 /// All laws, in the table's order.
-pub const LAWS: [Law; 10] = [
+pub const LAWS: [Law; 11] = [
     Law {
         name: "line source in free field, at rest and moving",
         measure: free_field::measure,
@@ -102,6 +103,10 @@ pub const LAWS: [Law; 10] = [
     Law {
         name: "echo of a wall: image source",
         measure: echo::measure_image,
+    },
+    Law {
+        name: "echo and scatter of a tilted wall",
+        measure: tilted::measure,
     },
     Law {
         name: "two parallel walls: time scale 1",

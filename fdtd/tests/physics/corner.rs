@@ -14,7 +14,7 @@ use fdtd::scene::{Robot, Scene, WaveformSpec};
 use fdtd::scheme::Scheme;
 use fdtd::simulation::{Flow, Simulation, SimulationOptions};
 use fdtd::spread::Spread;
-use fdtd::walls::Wall;
+use fdtd::walls::{Wall, WallModel};
 use fdtd::waveform::PeriodicWaveform;
 use std::collections::BTreeMap;
 
@@ -46,6 +46,7 @@ fn scene() -> Scene {
             points_m: vec![[1.31, -0.2], [1.31, 1.41], [-0.2, 1.41]],
             thickness_m: 0.02,
         }],
+        wall_model: WallModel::default(),
         waveform: WaveformSpec::default(),
         sample_rate_hz: RATE_HZ,
         robot: Robot {

@@ -18,3 +18,4 @@ mod image_echo;
 mod late_time;
 mod reciprocity;
 mod spectrum;
+mod tilted_wall;

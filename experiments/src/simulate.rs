@@ -13,6 +13,7 @@ use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
 use fdtd::simulation::{Flow, Outcome, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
 use fdtd::spread::Spread;
+use fdtd::walls::WallModel;
 use fdtd::waveform::PeriodicWaveform;
 use localizer::recording::{OdometrySample, Recording, RecordingMeta};
 use localizer::{Parameters, Pose, Trajectory};
@@ -66,6 +67,9 @@ pub struct Take {
     /// With the source strength times the time since the middle of the drive; see [`fdtd::medium::absorbed`].
     #[serde(skip)]
     pub stamped: bool,
+    /// How walls become cells of the field; the scene's way when absent.
+    #[serde(skip)]
+    pub wall_model: Option<WallModel>,
     /// Without walls: the direct wave alone.
     pub free_field: bool,
     /// Steady error of the odometry's turn rate, rad/s.
@@ -81,6 +85,7 @@ impl Take {
             scheme: None,
             spread: None,
             stamped: false,
+            wall_model: None,
             free_field: false,
             odometry_bias_radps: ODOMETRY_BIAS_RADPS,
         }
@@ -157,6 +162,7 @@ fn field_options(take: &Take, threads: usize) -> SimulationOptions {
     SimulationOptions {
         scheme: take.scheme,
         spread: take.spread,
+        wall_model: take.wall_model,
         threads,
         free_field: take.free_field,
         stamped: take.stamped,
@@ -377,6 +383,7 @@ pub fn recording(scene: &Scene, take: &Take, signal: Vec<f32>, seconds: f64) -> 
                 "engine": take.engine,
                 "scheme": take.scheme.unwrap_or(scene.scheme),
                 "spread": take.spread.unwrap_or(scene.spread),
+                "wall_model": take.wall_model.unwrap_or(scene.wall_model),
                 "free_field": take.free_field,
                 "odometry_bias_radps": take.odometry_bias_radps,
                 "seconds": (seconds * 10.0).round() / 10.0,
@@ -411,6 +418,7 @@ pub fn engine_print(take: &Take, scene: &Scene) -> Result<String> {
         path: "probe".to_string(),
         scheme: Some(take.scheme.unwrap_or(scene.scheme)),
         spread: Some(take.spread.unwrap_or(scene.spread)),
+        wall_model: Some(take.wall_model.unwrap_or(scene.wall_model)),
         ..take.clone()
     };
     let task = crate::progress::Board::new().task("probe", 1);

@@ -8,6 +8,7 @@ use fdtd::medium::{Air, STANDARD_PRESSURE_PA};
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
+use fdtd::walls::WallModel;
 use localizer::recording::wav;
 
 use super::{named, print_json};
@@ -44,6 +45,9 @@ pub(crate) struct Arguments {
     /// Spreading of source and receiver, bilinear, kaiser8 or kaiser12; the scene's unless given.
     #[arg(long, value_parser = named::<Spread>)]
     spread: Option<Spread>,
+    /// How walls become cells of the field, staircase or cut-cells; the scene's way unless given.
+    #[arg(long, value_name = "MODEL", value_parser = wall_model)]
+    walls: Option<WallModel>,
     /// What computes the sound: the field, or image sources (approximate, seconds).
     #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
     engine: Engine,
@@ -78,6 +82,11 @@ pub(crate) struct Arguments {
     robot: Option<PathBuf>,
 }
 
+/// A wall model by its name in scene files, or with a dash as names on the command line have.
+fn wall_model(text: &str) -> Result<WallModel, String> {
+    named(&text.replace('-', "_"))
+}
+
 impl Arguments {
     /// The take that was asked for.
     fn take(&self) -> Result<Take> {
@@ -90,6 +99,7 @@ impl Arguments {
         Ok(Take {
             scheme: self.scheme,
             spread: self.spread,
+            wall_model: self.walls,
             free_field: self.free_field,
             odometry_bias_radps: self.odometry_bias,
             ..Take::of(&self.path, self.engine)
@@ -164,6 +174,7 @@ impl Arguments {
         // Another scheme may have another stability limit or reach.
         scene.scheme = self.scheme.unwrap_or(scene.scheme);
         scene.spread = self.spread.unwrap_or(scene.spread);
+        scene.wall_model = self.walls.unwrap_or(scene.wall_model);
         scene.check(&self.scene.display().to_string())?;
         let take = self.take()?;
         self.check_output()?;

@@ -20,7 +20,7 @@ use crate::grid::{Grid, Medium};
 use crate::pml::Profile;
 use crate::scheme::{Scheme, Weights};
 use crate::spread::Stencil;
-use crate::walls::SolidMask;
+use crate::walls::WallCells;
 use crate::walls::operator::WallOperator;
 
 /// Everything that stays the same from step to step.
@@ -43,21 +43,21 @@ pub struct FieldSetup {
 }
 
 impl FieldSetup {
-    /// Setup of `grid` in `medium` with `scheme`, a layer of `layer_cells` and the walls of `mask`.
+    /// Setup of `grid` in `medium` with `scheme`, a layer of `layer_cells` and these walls.
     ///
     /// # Panics
-    /// When the mask has another size than the grid, the step is unstable, or two layers would meet.
+    /// When the walls have another size than the grid, the step is unstable, or two layers would meet.
     pub fn new(
         grid: &Grid,
         medium: &Medium,
         scheme: Scheme,
         layer_cells: usize,
-        mask: &SolidMask,
+        walls: &WallCells,
     ) -> Self {
         assert_eq!(
-            (mask.nx, mask.ny),
-            (grid.nx, grid.ny),
-            "mask and grid differ in size"
+            walls.size(),
+            [grid.nx, grid.ny],
+            "walls and grid differ in size"
         );
         let width = layer_cells.next_multiple_of(8);
         assert!(
@@ -77,7 +77,7 @@ impl FieldSetup {
             weights,
             courant2: (courant * courant) as f32,
             layer: Profile::new(layer_cells, courant),
-            walls: WallOperator::new(mask, &weights, scheme.radius()),
+            walls: WallOperator::new(walls, &weights, scheme.radius()),
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::medium::{Air, STANDARD_PRESSURE_PA};
 use crate::motion::{DriveLimits, DrivePath, Leg, MotionState, relocate};
 use crate::scheme::Scheme;
 use crate::spread::Spread;
-use crate::walls::Wall;
+use crate::walls::{Wall, WallModel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -45,6 +45,9 @@ pub(super) struct SceneFile {
     /// Rigid walls.
     #[serde(default)]
     walls: Vec<WallFile>,
+    /// How the walls become cells of the grid.
+    #[serde(default)]
+    wall_model: WallModel,
     /// What the loudspeaker repeats.
     #[serde(default)]
     waveform: WaveformSpec,
@@ -237,6 +240,7 @@ impl SceneFile {
             scheme: self.scheme,
             spread: self.spread,
             walls: walls.collect(),
+            wall_model: self.wall_model,
             waveform: self.waveform,
             sample_rate_hz: self.sample_rate_hz,
             robot: self.robot,

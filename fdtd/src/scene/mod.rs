@@ -11,7 +11,7 @@ use crate::medium::Air;
 use crate::motion::DrivePath;
 use crate::scheme::Scheme;
 use crate::spread::Spread;
-use crate::walls::Wall;
+use crate::walls::{Wall, WallModel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -47,6 +47,8 @@ pub struct Scene {
     pub spread: Spread,
     /// Rigid walls.
     pub walls: Vec<Wall>,
+    /// How the walls become cells of the grid.
+    pub wall_model: WallModel,
     /// What the loudspeaker repeats.
     pub waveform: WaveformSpec,
     /// Sampling rate of the microphone signal in hertz.

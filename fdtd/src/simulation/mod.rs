@@ -14,7 +14,7 @@ use crate::grid::{Grid, Medium};
 use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::spread::Spread;
-use crate::walls::{SolidMask, rasterize};
+use crate::walls::{Opening, WallCells, WallModel};
 use crate::waveform::PeriodicWaveform;
 
 /// Steps between two calls of the observer.
@@ -30,6 +30,8 @@ pub struct SimulationOptions {
     pub scheme: Option<Scheme>,
     /// Spreading kernel instead of the scene's.
     pub spread: Option<Spread>,
+    /// How walls become cells, instead of the scene's way.
+    pub wall_model: Option<WallModel>,
     /// Threads; 0 for all cores.
     pub threads: usize,
     /// Without walls, in a domain cropped to the drive and its absorbing layer.
@@ -54,7 +56,7 @@ pub struct Domain {
     /// Width of the absorbing layers in cells.
     pub layer_cells: usize,
     /// Rigid walls.
-    pub mask: SolidMask,
+    pub walls: WallCells,
 }
 
 /// How far a run is.
@@ -117,7 +119,10 @@ impl Simulation {
             scheme: options.scheme.unwrap_or(scene.scheme),
             spread: options.spread.unwrap_or(scene.spread),
             layer_cells: scene.layer_cells,
-            mask: rasterize(&scene.grid, &scene.walls),
+            walls: options
+                .wall_model
+                .unwrap_or(scene.wall_model)
+                .cells(&scene.grid, &scene.walls),
         };
         let courant = domain.grid.courant(&domain.medium);
         if courant > domain.scheme.max_courant() {
@@ -186,7 +191,7 @@ impl Simulation {
             &domain.medium,
             domain.scheme,
             domain.layer_cells,
-            &domain.mask,
+            &domain.walls,
         );
         let threads = match options.threads {
             0 => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
@@ -346,15 +351,22 @@ impl Simulation {
             scheme,
             spread,
             layer_cells,
-            mask,
+            walls,
         } = &self.domain;
-        let solid = mask
+        let solid = walls
+            .solid()
             .cells
             .iter()
             .enumerate()
             .filter(|(_, solid)| **solid)
             .map(|(cell, _)| cell as u64);
-        let walls = checkpoint::digest(solid);
+        let parts = walls.partial().flat_map(|(cell, opening)| {
+            let Opening { area, west, south } = *opening;
+            [cell as u64]
+                .into_iter()
+                .chain([area, west, south].map(f64::to_bits))
+        });
+        let walls = checkpoint::digest(solid.chain(parts));
         let drive = checkpoint::digest((0..=64).flat_map(|k| {
             self.drive
                 .sample(k as f64 / 64.0 * self.steps_total as f64 * grid.dt_s)
@@ -391,10 +403,6 @@ fn crop(domain: &mut Domain, duration_s: f64, points: &dyn Fn(f64) -> [[f64; 2];
     // Whole vectors make full use of the engine.
     domain.grid.nx = (end[0] - first[0]).next_multiple_of(8);
     domain.grid.ny = end[1] - first[1];
-    domain.mask = SolidMask {
-        nx: domain.grid.nx,
-        ny: domain.grid.ny,
-        cells: vec![false; domain.grid.cells()],
-    };
+    domain.walls = WallCells::open(domain.grid.nx, domain.grid.ny);
     first.map(|cells| cells as f64 * grid.dx_m)
 }

@@ -17,7 +17,7 @@ use crate::scene::{Robot, Scene, WaveformSpec};
 use crate::scheme::Scheme;
 use crate::simulation::{Flow, Simulation, SimulationOptions};
 use crate::spread::Spread;
-use crate::walls::Wall;
+use crate::walls::{Wall, WallModel};
 use crate::waveform::PeriodicWaveform;
 use std::collections::BTreeMap;
 
@@ -54,7 +54,8 @@ pub fn scene(scheme: Scheme) -> Result<Scene, Error> {
             points_m: vec![[1.31, -0.2], [1.31, 1.41], [-0.2, 1.41]],
             thickness_m: 0.02,
         }],
-        waveform: WaveformSpec::default(),
+
+        wall_model: WallModel::default(),        waveform: WaveformSpec::default(),
         sample_rate_hz: RATE_HZ,
         robot: Robot {
             loudspeaker_offset_m: [0.05, 0.01],

@@ -13,6 +13,7 @@ pub mod layer;
 pub mod rig;
 pub mod room;
 pub mod scene_echoes;
+pub mod tilted;
 
 use serde::Serialize;
 
@@ -93,7 +94,7 @@ pub struct Law {
 }
 
 /// All laws, in the table's order.
-pub const LAWS: [Law; 13] = [
+pub const LAWS: [Law; 14] = [
     Law {
         name: "line source in free field, at rest and moving",
         measure: free_field::measure,
@@ -105,6 +106,10 @@ pub const LAWS: [Law; 13] = [
     Law {
         name: "echo of a wall: image source",
         measure: echo::measure_image,
+    },
+    Law {
+        name: "echo and scatter of a tilted wall",
+        measure: tilted::measure,
     },
     Law {
         name: "two parallel walls: time scale 1",

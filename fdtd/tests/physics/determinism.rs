@@ -11,7 +11,7 @@ use fdtd::scene::{Robot, Scene, WaveformSpec};
 use fdtd::scheme::Scheme;
 use fdtd::simulation::{Drive, Flow, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
 use fdtd::spread::Spread;
-use fdtd::walls::Wall;
+use fdtd::walls::{Wall, WallModel};
 use fdtd::waveform::PeriodicWaveform;
 use std::collections::BTreeMap;
 
@@ -50,6 +50,7 @@ fn scene(scheme: Scheme, path: DrivePath) -> Scene {
             points_m: vec![[0.25, 0.7], [0.6, 0.62], [0.75, 0.3]],
             thickness_m: 0.02,
         }],
+        wall_model: WallModel::default(),
         waveform: WaveformSpec::default(),
         sample_rate_hz: 40e3,
         robot: ROBOT,

@@ -21,3 +21,4 @@ mod late_time;
 mod reciprocity;
 mod scene_echoes;
 mod spectrum;
+mod tilted_wall;

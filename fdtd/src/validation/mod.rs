@@ -7,6 +7,7 @@ pub mod direct_method;
 pub mod dispersion;
 pub mod echo;
 pub mod free_field;
+pub mod impedance;
 pub mod layer;
 pub mod rig;
 pub mod room;
@@ -91,7 +92,7 @@ pub struct Law {
 }
 
 /// All laws, in the table's order.
-pub const LAWS: [Law; 11] = [
+pub const LAWS: [Law; 12] = [
     Law {
         name: "line source in free field, at rest and moving",
         measure: free_field::measure,
@@ -107,6 +108,10 @@ pub const LAWS: [Law; 11] = [
     Law {
         name: "echo and scatter of a tilted wall",
         measure: tilted::measure,
+    },
+    Law {
+        name: "reflection of an impedance",
+        measure: impedance::measure,
     },
     Law {
         name: "two parallel walls: time scale 1",

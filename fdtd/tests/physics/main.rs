@@ -15,6 +15,7 @@ mod drift;
 mod energy;
 mod free_field;
 mod image_echo;
+mod impedance_wall;
 mod late_time;
 mod reciprocity;
 mod spectrum;

@@ -127,6 +127,8 @@ pub fn recording_key(scene: &Scene, take: &Take, engine_print: &str) -> Result<S
             let corners: Vec<f64> = wall.points_m.iter().flatten().copied().collect();
             key.numbers("wall", &corners);
             key.numbers("thickness", &[wall.thickness_m]);
+            let impedance = wall.impedance_pasm.unwrap_or(f64::INFINITY);
+            key.numbers("impedance", &[impedance]);
         }
     }
     let steps = (path.duration_s() / PATH_STEP_S).floor() as usize;

@@ -205,6 +205,11 @@ pub fn signal(
 /// The signal by image sources. Without walls it is the direct wave, which a coincident pair does not have here.
 fn image_signal(scene: &Scene, take: &Take) -> Result<Vec<f32>> {
     let walls: &[fdtd::walls::Wall] = if take.free_field { &[] } else { &scene.walls };
+    if let Some(index) = walls.iter().position(|wall| wall.impedance_pasm.is_some()) {
+        anyhow::bail!(
+            "walls[{index}] has an impedance, but image sources know rigid walls only; use --engine fdtd or make it rigid"
+        );
+    }
     let drive = DrivingPair {
         path: scene.path(&take.path)?,
         loudspeaker_offset_m: scene.robot.loudspeaker_offset_m,

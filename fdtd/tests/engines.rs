@@ -44,6 +44,7 @@ fn slanted(lines: &[[f64; 4]]) -> Vec<Wall> {
     let wall = |&[x0, y0, x1, y1]: &[f64; 4]| Wall {
         points_m: vec![[x0, y0], [x1, y1], [y1, x0]],
         thickness_m: 0.012,
+        impedance_pasm: (x0 < 0.5).then_some(2000.0 * y0 + 1.0),
     };
     lines.iter().map(wall).collect()
 }

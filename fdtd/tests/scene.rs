@@ -768,3 +768,32 @@ fn the_site_has_corner_echoes_up_to_six_metres_and_speeds_of_the_paper() {
     println!("corner echoes up to {farthest_m:.2} m round trip");
     assert!((farthest_m - 6.0).abs() < 0.5, "{farthest_m}");
 }
+
+#[test]
+fn impedance_and_absorption_are_read_or_refused() {
+    let wall = |surface: &str| {
+        let text = format!(
+            r#"{{"name": "t", "grid": {{"nx": 200, "ny": 200, "dx_m": 0.005, "dt_s": 8.333e-6}},
+            "walls": [{{"points_m": [[0.3, 0.3], [0.6, 0.3]]{surface}}}]}}"#
+        );
+        Scene::from_json(&text, Path::new("t.json")).map(|scene| scene.walls[0].impedance_pasm)
+    };
+    assert_eq!(wall("").unwrap(), None);
+    assert_eq!(wall(", \"absorption\": 0").unwrap(), None);
+    assert_eq!(wall(", \"impedance_pasm\": 900").unwrap(), Some(900.0));
+    // Half of the energy: a reflection factor of 0.7071.
+    let half = wall(", \"absorption\": 0.5").unwrap().unwrap();
+    assert!((half / (1.293 * 340.0) - 5.8284).abs() < 1e-3, "{half}");
+    for (surface, field) in [
+        (", \"impedance_pasm\": 0", "walls[0].impedance_pasm"),
+        (", \"impedance_pasm\": -1", "walls[0].impedance_pasm"),
+        (", \"absorption\": 1.1", "walls[0].absorption"),
+        (
+            ", \"absorption\": 0.1, \"impedance_pasm\": 900",
+            "walls[0].absorption",
+        ),
+    ] {
+        let error = wall(surface).unwrap_err().to_string();
+        assert!(error.contains(field), "{error}");
+    }
+}

@@ -19,6 +19,7 @@ pub struct ReferenceField {
     other: Vec<f32>,
     layer_x: Vec<f32>,
     layer_y: Vec<f32>,
+    surfaces: Vec<f32>,
 }
 
 impl ReferenceField {
@@ -32,6 +33,7 @@ impl ReferenceField {
             other: vec![0.0; padded],
             layer_x: vec![0.0; setup.ny * 6 * width],
             layer_y: vec![0.0; 2 * cells * 3 * setup.nx],
+            surfaces: vec![0.0; setup.walls.surface_count()],
             setup,
         }
     }
@@ -143,6 +145,12 @@ impl ReferenceField {
                 }
                 next[correction.ix] += sum;
             }
+            for surface in &self.setup.walls.surfaces[iy] {
+                let before = self.surfaces[surface.memory];
+                let after = surface.velocity(before, row(0)[RIM + surface.ix]);
+                self.surfaces[surface.memory] = after;
+                next[surface.ix] = surface.gain.mul_add(before - after, next[surface.ix]);
+            }
             for &ix in &self.setup.walls.solid[iy] {
                 next[ix] = 0.0;
             }
@@ -243,6 +251,7 @@ impl Field for ReferenceField {
             previous: plain(&self.other),
             layer_x: self.layer_x.clone(),
             layer_y: self.layer_y.clone(),
+            surfaces: self.surfaces.clone(),
         }
     }
 
@@ -262,6 +271,7 @@ impl Field for ReferenceField {
         }
         self.layer_x.copy_from_slice(&state.layer_x);
         self.layer_y.copy_from_slice(&state.layer_y);
+        self.surfaces.copy_from_slice(&state.surfaces);
     }
 
     fn row_is_finite(&self, turn: usize) -> bool {

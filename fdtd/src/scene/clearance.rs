@@ -86,13 +86,11 @@ fn follow(
             // The wall that takes a part of a cell need not reach to its middle.
             let wall = [0.0, 2.0].iter().find_map(|cells| {
                 scene.walls.iter().position(|wall| {
-                    let thickness_m = wall.thickness_m + cells * grid.dx_m;
-                    let points_m = wall.points_m.clone();
-                    Wall {
-                        points_m,
-                        thickness_m,
-                    }
-                    .contains(centre_m)
+                    let thicker = Wall {
+                        thickness_m: wall.thickness_m + cells * grid.dx_m,
+                        ..wall.clone()
+                    };
+                    thicker.contains(centre_m)
                 })
             });
             let problem = format!(

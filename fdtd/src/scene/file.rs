@@ -111,7 +111,7 @@ struct GridFile {
     dt_s: f64,
 }
 
-/// A rigid wall along a polyline.
+/// A wall along a polyline, rigid unless it has an impedance or absorbs.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Wall")]
@@ -121,6 +121,12 @@ struct WallFile {
     /// Thickness in metres.
     #[serde(default = "default_thickness_m")]
     thickness_m: f64,
+    /// Impedance of the surface in Pa s/m, above 0; rigid when neither this nor `absorption` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    impedance_pasm: Option<f64>,
+    /// Part of the energy that the surface absorbs at normal incidence, 0 to 1, instead of `impedance_pasm`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    absorption: Option<f64>,
 }
 
 /// A drive: either `start` and `legs`, or `file`.
@@ -221,10 +227,20 @@ impl SceneFile {
             paths.insert(name, path);
         }
         let (medium, air) = self.medium.resolve(&origin.display().to_string())?;
-        let walls = self.walls.into_iter().map(|wall| Wall {
-            points_m: wall.points_m,
-            thickness_m: wall.thickness_m,
-        });
+        let characteristic_pasm = medium.rho_kgpm3 * medium.c_mps;
+        let mut walls = Vec::new();
+        for (index, wall) in self.walls.into_iter().enumerate() {
+            walls.push(Wall {
+                impedance_pasm: wall.impedance_pasm(characteristic_pasm).map_err(
+                    |[field, problem, remedy]| {
+                        let field = format!("walls[{index}].{field}");
+                        Error::invalid(origin.display(), field, problem, remedy)
+                    },
+                )?,
+                points_m: wall.points_m,
+                thickness_m: wall.thickness_m,
+            });
+        }
         Ok(Scene {
             name: self.name,
             description: self.description,
@@ -239,7 +255,7 @@ impl SceneFile {
             layer_cells: self.layer_cells,
             scheme: self.scheme,
             spread: self.spread,
-            walls: walls.collect(),
+            walls,
             wall_model: self.wall_model,
             waveform: self.waveform,
             sample_rate_hz: self.sample_rate_hz,
@@ -281,6 +297,45 @@ impl MediumFile {
                 };
                 air.check(origin, "medium.")?;
                 Ok((air.medium(), Some(air)))
+            }
+        }
+    }
+}
+
+impl WallFile {
+    /// The surface's impedance in Pa s/m, `None` when it is rigid; or field, problem and remedy.
+    fn impedance_pasm(&self, characteristic_pasm: f64) -> Result<Option<f64>, [String; 3]> {
+        let refuse = |field: &str, problem: String, remedy: &str| {
+            Err([field.to_string(), problem, remedy.to_string()])
+        };
+        match (self.impedance_pasm, self.absorption) {
+            (None, None) => Ok(None),
+            (Some(_), Some(_)) => refuse(
+                "absorption",
+                "is given beside impedance_pasm".to_string(),
+                "give one of them",
+            ),
+            // Written so that NaN is refused.
+            (Some(impedance_pasm), None) => {
+                if impedance_pasm > 0.0 && impedance_pasm.is_finite() {
+                    return Ok(Some(impedance_pasm));
+                }
+                let problem = format!("{impedance_pasm} Pa s/m is no impedance of a passive wall");
+                refuse(
+                    "impedance_pasm",
+                    problem,
+                    "give a number above 0, or none for a rigid wall",
+                )
+            }
+            (None, Some(absorption)) => {
+                if !(0.0..=1.0).contains(&absorption) {
+                    let problem = format!("{absorption} is no part of the energy");
+                    return refuse("absorption", problem, "give a number from 0 to 1");
+                }
+                // Harder than air: the reflection factor is positive.
+                let factor = (1.0 - absorption).sqrt();
+                let impedance_pasm = characteristic_pasm * (1.0 + factor) / (1.0 - factor);
+                Ok(impedance_pasm.is_finite().then_some(impedance_pasm))
             }
         }
     }

@@ -366,7 +366,10 @@ impl Simulation {
                 .into_iter()
                 .chain([area, west, south].map(f64::to_bits))
         });
-        let walls = checkpoint::digest(solid.chain(parts));
+        let surfaces = walls
+            .loads()
+            .flat_map(|(cell, load)| [cell as u64, load.impedance_pasm.to_bits()]);
+        let walls = checkpoint::digest(solid.chain(parts).chain(surfaces));
         let drive = checkpoint::digest((0..=64).flat_map(|k| {
             self.drive
                 .sample(k as f64 / 64.0 * self.steps_total as f64 * grid.dt_s)

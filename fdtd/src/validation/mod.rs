@@ -9,6 +9,7 @@ pub mod dispersion;
 pub mod echo;
 pub mod free_field;
 pub mod half_plane;
+pub mod impedance;
 pub mod layer;
 pub mod rig;
 pub mod room;
@@ -94,7 +95,7 @@ pub struct Law {
 }
 
 /// All laws, in the table's order.
-pub const LAWS: [Law; 14] = [
+pub const LAWS: [Law; 15] = [
     Law {
         name: "line source in free field, at rest and moving",
         measure: free_field::measure,
@@ -110,6 +111,10 @@ pub const LAWS: [Law; 14] = [
     Law {
         name: "echo and scatter of a tilted wall",
         measure: tilted::measure,
+    },
+    Law {
+        name: "reflection of an impedance",
+        measure: impedance::measure,
     },
     Law {
         name: "two parallel walls: time scale 1",

@@ -208,6 +208,16 @@ pub fn closed_rig(scheme: Scheme, size: usize) -> Rig {
 
 /// A box turned by 12 degrees in cut cells, with a slanted screen in it, `size` x `size` cells.
 pub fn slanted_rig(scheme: Scheme, size: usize) -> Rig {
+    slanted_room(scheme, size, WallModel::CutCells, None)
+}
+
+/// The same with walls of an impedance in Pa s/m (rigid when `None`) made into cells by `model`.
+pub fn slanted_room(
+    scheme: Scheme,
+    size: usize,
+    model: WallModel,
+    impedance_pasm: Option<f64>,
+) -> Rig {
     let mut rig = Rig::open(scheme, size, size);
     rig.layer_cells = 0;
     let wall = |points: &[[f64; 2]]| Wall {
@@ -216,6 +226,7 @@ pub fn slanted_rig(scheme: Scheme, size: usize) -> Rig {
             .map(|point| point.map(|x| x * size as f64 * DX_M))
             .collect(),
         thickness_m: 4.0 * DX_M,
+        impedance_pasm,
     };
     let (sin, cos) = 12_f64.to_radians().sin_cos();
     let corner = |[x, y]: [f64; 2]| [0.5 + x * cos - y * sin, 0.5 + x * sin + y * cos];
@@ -230,7 +241,7 @@ pub fn slanted_rig(scheme: Scheme, size: usize) -> Rig {
         wall(&corners.map(corner)),
         wall(&[[0.6, 0.35], [0.67, 0.52], [0.55, 0.6]]),
     ];
-    rig.walls = WallModel::CutCells.cells(&rig.grid(), &walls);
+    rig.walls = model.cells(&rig.grid(), &walls);
     rig
 }
 

@@ -24,6 +24,7 @@ use crate::rays::{RayKind, RayPath, Reflectors, TraceOptions, trace};
 use crate::scene::Scene;
 use crate::scheme::Polynomial;
 use crate::simulation::{Flow, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
+use crate::walls::WallModel;
 use crate::waveform::PeriodicWaveform;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
@@ -337,7 +338,8 @@ fn place(scene: &Scene, whole: bool, place_m: [f64; 2]) -> Result<Place, Error> 
 /// # Errors
 /// When the field becomes non-finite.
 pub fn places(depth: Depth) -> Result<Vec<Place>, Error> {
-    let whole = Scene::from_json(SCENE, Path::new("scenes/four_walls.json"))?;
+    let mut whole = Scene::from_json(SCENE, Path::new("scenes/four_walls.json"))?;
+    whole.wall_model = WallModel::CutCells;
     let mut along = whole.clone();
     along.walls.retain(|wall| {
         let mut segments = wall.segments_m();

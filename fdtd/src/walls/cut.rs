@@ -12,7 +12,8 @@
 //! Taking from the face and not giving to the area keeps the volume, and takes where the flow is small anyway: towards the wall.
 //! No cell has to be merged with another, and the time step stays as it is.
 
-use super::clip::{Convex, Cover, open_area, open_face};
+use super::clip::{Convex, Cover, open_area};
+use super::surface::{Openings, soft_cells};
 use super::{Opening, SolidMask, Wall, WallCells};
 use crate::grid::Grid;
 use std::collections::BTreeMap;
@@ -26,11 +27,17 @@ const JOINT_CORNERS: usize = 64;
 
 /// What `walls` leave of the cells of a grid. Parts of walls outside the grid are left out.
 pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
-    let shapes: Vec<Convex> = walls.iter().flat_map(|wall| shapes(grid, wall)).collect();
+    let shapes: Vec<(usize, Convex)> = walls
+        .iter()
+        .enumerate()
+        .flat_map(|(index, wall)| shapes(grid, wall).map(move |shape| (index, shape)))
+        .collect();
+    // The wall that takes a cell or a part of it; the last of several.
+    let mut owners: BTreeMap<usize, usize> = BTreeMap::new();
     let mut solid = SolidMask::open(grid.nx, grid.ny);
     // Shapes that cover a part of a cell, by the cell's index.
     let mut near: BTreeMap<usize, Vec<&Convex>> = BTreeMap::new();
-    for shape in &shapes {
+    for (index, shape) in &shapes {
         let range = |axis: usize, cells: usize| {
             let [low, high] = shape.bounds(axis).map(|x| x.clamp(0.0, cells as f64));
             low.floor() as usize..high.ceil() as usize
@@ -38,7 +45,11 @@ pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
         for iy in range(1, grid.ny) {
             for ix in range(0, grid.nx) {
                 let cell = iy * grid.nx + ix;
-                match shape.covers([ix as f64, iy as f64]) {
+                let cover = shape.covers([ix as f64, iy as f64]);
+                if cover != Cover::None {
+                    owners.insert(cell, *index);
+                }
+                match cover {
                     Cover::None => {}
                     Cover::Part => near.entry(cell).or_default().push(shape),
                     Cover::Whole => solid.cells[cell] = true,
@@ -65,10 +76,12 @@ pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
             }
         }
     }
+    let soft = soft_cells(walls, &owners, &solid);
     let open = Openings {
         solid: &solid,
         near: &near,
         areas: &areas,
+        soft: &soft,
     };
     let mut partial = BTreeMap::new();
     for &cell in areas.keys() {
@@ -84,88 +97,24 @@ pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
             }
         }
     }
-    WallCells::new(solid, partial)
+    let loads = open.loads();
+    WallCells::new(solid, partial).with_loads(loads)
 }
 
 /// The convex parts of a wall, in cells: rectangles and round joints.
-fn shapes(grid: &Grid, wall: &Wall) -> Vec<Convex> {
-    let cells = |point_m: [f64; 2]| point_m.map(|x| x / grid.dx_m);
+fn shapes<'a>(grid: &'a Grid, wall: &'a Wall) -> impl Iterator<Item = Convex> + 'a {
+    let cells = move |point_m: [f64; 2]| point_m.map(|x| x / grid.dx_m);
     let rectangles = wall
         .segments_m()
-        .map(|segment| Convex::new(wall.outline_m(segment).map(cells).to_vec()));
+        .map(move |segment| Convex::new(wall.outline_m(segment).map(cells).to_vec()));
     let step = TAU / JOINT_CORNERS as f64;
     let radius_m = 0.5 * wall.thickness_m * (step / step.sin()).sqrt();
-    let joints = wall.joints_m().map(|joint_m| {
+    let joints = wall.joints_m().map(move |joint_m| {
         let corner = |k: usize| {
             let (sin, cos) = (step * (k as f64 + 0.5)).sin_cos();
             cells([joint_m[0] + radius_m * cos, joint_m[1] + radius_m * sin])
         };
         Convex::new((0..JOINT_CORNERS).map(corner).collect())
     });
-    rectangles.chain(joints).collect()
-}
-
-/// Open parts by geometry, and the weights that the spectrum leaves them.
-struct Openings<'a> {
-    solid: &'a SolidMask,
-    near: &'a BTreeMap<usize, Vec<&'a Convex>>,
-    areas: &'a BTreeMap<usize, f64>,
-}
-
-impl Openings<'_> {
-    /// Index of a cell in the grid.
-    fn cell(&self, ix: isize, iy: isize) -> Option<usize> {
-        let inside =
-            ix >= 0 && iy >= 0 && (ix as usize) < self.solid.nx && (iy as usize) < self.solid.ny;
-        inside.then(|| iy as usize * self.solid.nx + ix as usize)
-    }
-
-    fn area(&self, ix: isize, iy: isize) -> f64 {
-        match self.cell(ix, iy) {
-            Some(cell) if self.solid.cells[cell] => 0.0,
-            Some(cell) => self.areas.get(&cell).copied().unwrap_or(1.0),
-            None => 1.0,
-        }
-    }
-
-    /// Open part of the face of a cell to its neighbour at lower x (`axis` 0) or y (1).
-    fn face(&self, axis: usize, ix: isize, iy: isize) -> f64 {
-        let other = [(ix - 1, iy), (ix, iy - 1)][axis];
-        if self.area(ix, iy) == 0.0 || self.area(other.0, other.1) == 0.0 {
-            return 0.0;
-        }
-        let (Some(here), Some(there)) = (self.cell(ix, iy), self.cell(other.0, other.1)) else {
-            return 1.0;
-        };
-        let shapes: Vec<&Convex> = [here, there]
-            .iter()
-            .filter_map(|cell| self.near.get(cell))
-            .flatten()
-            .copied()
-            .collect();
-        if shapes.is_empty() {
-            return 1.0;
-        }
-        let place = [ix as f64, iy as f64];
-        open_face(&shapes, axis, place[axis], place[1 - axis])
-    }
-
-    /// What a cell gives to its face at lower (`side` 0) or higher (1) coordinate along an axis.
-    fn share(&self, axis: usize, side: usize, ix: isize, iy: isize) -> f64 {
-        let next = [(ix + 1, iy), (ix, iy + 1)][axis];
-        let faces = [self.face(axis, ix, iy), self.face(axis, next.0, next.1)];
-        4.0 * self.area(ix, iy) * faces[side] / (faces[0] + faces[1])
-    }
-
-    /// Weight of the face of a cell to its neighbour at lower x (`axis` 0) or y (1).
-    fn weight(&self, axis: usize, ix: isize, iy: isize) -> f64 {
-        let face = self.face(axis, ix, iy);
-        if face == 0.0 {
-            return 0.0;
-        }
-        let other = [(ix - 1, iy), (ix, iy - 1)][axis];
-        let here = self.share(axis, 0, ix, iy);
-        let there = self.share(axis, 1, other.0, other.1);
-        face.min(here * there / (here + there))
-    }
+    rectangles.chain(joints)
 }

@@ -1,6 +1,7 @@
 //! How walls become cells.
 
-use super::{Wall, WallCells, cut, rasterize};
+use super::surface::staircase;
+use super::{Wall, WallCells, cut};
 use crate::grid::Grid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -32,7 +33,7 @@ impl WallModel {
     pub fn cells(self, grid: &Grid, walls: &[Wall]) -> WallCells {
         match self {
             Self::CutCells => cut(grid, walls),
-            Self::Staircase => rasterize(grid, walls).into(),
+            Self::Staircase => staircase(grid, walls),
         }
     }
 }

@@ -23,6 +23,19 @@ impl Opening {
     };
 }
 
+/// A cell's share of the surface of a wall that is not rigid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// Impedance of the surface in Pa s/m.
+    pub impedance_pasm: f64,
+    /// Length of the surface in the cell, in cell widths.
+    pub length: f64,
+    /// Open part of the cell's area.
+    pub area: f64,
+    /// Least mass of air before the surface that the spectrum allows, in cell widths.
+    pub least_mass: f64,
+}
+
 /// The walls as cells: solid ones, and those of which a wall leaves a part.
 ///
 /// A face is closed when either of its cells is solid. Outside the grid everything is open.
@@ -31,13 +44,29 @@ pub struct WallCells {
     solid: SolidMask,
     /// By index `iy nx + ix`; a fluid cell that is not in here is full and has open faces to fluid cells.
     partial: BTreeMap<usize, Opening>,
+    /// Cells before surfaces that are not rigid, by index.
+    loads: BTreeMap<usize, Load>,
 }
 
 impl WallCells {
     /// Solid cells `solid`, and what is left of cells by their index `iy nx + ix`.
     pub(super) fn new(solid: SolidMask, mut partial: BTreeMap<usize, Opening>) -> Self {
         partial.retain(|&cell, opening| !solid.cells[cell] && *opening != Opening::FULL);
-        Self { solid, partial }
+        Self {
+            solid,
+            partial,
+            loads: BTreeMap::new(),
+        }
+    }
+
+    /// The same with surfaces that are not rigid.
+    pub(super) fn with_loads(self, loads: BTreeMap<usize, Load>) -> Self {
+        Self { loads, ..self }
+    }
+
+    /// The cells before surfaces that are not rigid, by index `iy nx + ix`, in order.
+    pub fn loads(&self) -> impl Iterator<Item = (usize, &Load)> {
+        self.loads.iter().map(|(&cell, load)| (cell, load))
     }
 
     /// A grid without walls.
@@ -108,6 +137,7 @@ impl From<SolidMask> for WallCells {
         Self {
             solid,
             partial: BTreeMap::new(),
+            loads: BTreeMap::new(),
         }
     }
 }

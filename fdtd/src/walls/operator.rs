@@ -7,7 +7,7 @@
 //! stencil sees nothing beyond the wall; next to whole cells few entries per row differ.
 
 use super::{Opening, SolidMask, WallCells};
-use crate::scheme::Weights;
+use crate::scheme::{Polynomial, Weights};
 
 /// Half width of the patch in which a row of the operator is worked out; a scheme of radius three needs three cells and
 /// their faces.
@@ -23,6 +23,35 @@ pub struct Correction {
     pub entries: Vec<(isize, usize, f32)>,
 }
 
+/// A cell before a surface that is not rigid: its velocity `v` into the surface (times `rho c`, in Pa) follows the pressure, and takes from it.
+///
+/// The surface of impedance Z, with a little mass of air m before it, obeys `m dv/dt + Z v = p`; in steps, with z = Z/(rho c),
+/// `(m/chi)(v+ - v-) + z (v+ + v-)/2 = p` half a step before and after the pressure, which loses `chi (l/V)(v+ - v-)`. Energy goes into the
+/// mass and comes back, and into Z and does not: passive for every Z. The mass is what lies between a cell's middle and
+/// the wall; without it the reflection factor would be that of a wall half a cell nearer with a rigid one behind it. Its value
+/// is one half, and what the evanescent waves of a wide stencil add ([`crate::scheme::Polynomial::surface_mass`]).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// Column of the cell.
+    pub ix: usize,
+    /// What is left of the velocity from step to step.
+    pub decay: f32,
+    /// What a pressure gives to the velocity.
+    pub drive: f32,
+    /// What the velocity's change takes from the pressure.
+    pub gain: f32,
+    /// Place of the velocity in the field's memory.
+    pub memory: usize,
+}
+
+impl Surface {
+    /// Velocity after, from velocity and pressure before.
+    #[inline(always)]
+    pub fn velocity(&self, before: f32, pressure: f32) -> f32 {
+        self.decay.mul_add(before, self.drive * pressure)
+    }
+}
+
 /// Corrections and solid cells of every row of the grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct WallOperator {
@@ -30,6 +59,8 @@ pub struct WallOperator {
     pub corrections: Vec<Vec<Correction>>,
     /// Columns of the solid cells by row, in increasing order.
     pub solid: Vec<Vec<usize>>,
+    /// Surfaces that are not rigid by row, in order of increasing column.
+    pub surfaces: Vec<Vec<Surface>>,
 }
 
 type Values = [[f64; WIDTH]; WIDTH];
@@ -164,6 +195,7 @@ impl WallOperator {
         let mut operator = Self {
             corrections: vec![Vec::new(); ny],
             solid: vec![Vec::new(); ny],
+            surfaces: vec![Vec::new(); ny],
         };
         for iy in 0..ny {
             for ix in 0..nx {
@@ -181,6 +213,37 @@ impl WallOperator {
             }
         }
         operator
+    }
+
+    /// With the surfaces of `walls` that are not rigid, for the Courant number of `polynomial` and the characteristic impedance `rho c`
+    /// of the air in Pa s/m.
+    #[must_use]
+    pub fn with_surfaces(
+        mut self,
+        walls: &WallCells,
+        polynomial: &Polynomial,
+        characteristic_pasm: f64,
+    ) -> Self {
+        let nx = walls.size()[0];
+        let courant = polynomial.courant;
+        let usual = polynomial.surface_mass();
+        for (memory, (cell, load)) in walls.loads().enumerate() {
+            let mass = usual.max(load.least_mass) / courant;
+            let half = 0.5 * load.impedance_pasm / characteristic_pasm;
+            self.surfaces[cell / nx].push(Surface {
+                ix: cell % nx,
+                decay: ((mass - half) / (mass + half)) as f32,
+                drive: (1.0 / (mass + half)) as f32,
+                gain: (courant * load.length / load.area) as f32,
+                memory,
+            });
+        }
+        self
+    }
+
+    /// Number of surfaces that are not rigid.
+    pub fn surface_count(&self) -> usize {
+        self.surfaces.iter().map(Vec::len).sum()
     }
 
     /// Number of cells with a correction, and of entries in all.

@@ -49,6 +49,7 @@ fn scene(scheme: Scheme, path: DrivePath) -> Scene {
         walls: vec![Wall {
             points_m: vec![[0.25, 0.7], [0.6, 0.62], [0.75, 0.3]],
             thickness_m: 0.02,
+            impedance_pasm: None,
         }],
         wall_model: WallModel::default(),
         waveform: WaveformSpec::default(),

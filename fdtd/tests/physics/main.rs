@@ -17,6 +17,7 @@ mod energy;
 mod free_field;
 mod half_plane;
 mod image_echo;
+mod impedance_wall;
 mod late_time;
 mod reciprocity;
 mod scene_echoes;

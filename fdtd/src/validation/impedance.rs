@@ -5,7 +5,7 @@
 //! is Fourier transformed, and divided by the same with a rigid end.
 //! Formula: `(Z cos - rho c)/(Z cos + rho c)`, the angle being that of the continuum.
 //! Bias: none of dispersion on the way, which cancels; the surface's own grows with frequency squared.
-//! Tolerance: 0.02 at 4 kHz, Z/(rho c) from 0.05 to 20, 0 to 67 degrees. At 10 kHz it is shown.
+//! Tolerance: 0.02 at 4 kHz, Z/(rho c) from 0.05 to 20, 0 to 62 degrees. At 10 kHz, to 67 degrees, it is shown.
 
 use super::rig::{AIR, DT_S, DX_M, Rig, centre_m, line};
 use super::{Depth, Measurement};
@@ -122,7 +122,7 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
     let mut found = Vec::new();
     for &scheme in schemes {
         for case in CASES {
-            let name = format!("{scheme}, {} kHz, worst of 0 to 67 degrees", case.0 / 1e3);
+            let name = format!("{scheme}, {} kHz, worst over angle", case.0 / 1e3);
             let quantity = "reflection factor, error";
             let [error, ..] = largest(scheme, case);
             found.push(if case.0 < 5e3 {

@@ -2,7 +2,7 @@
 
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
-.PHONY: help sim-experiments sim-quick figures claims validate test check bench bless
+.PHONY: help sim-experiments sim-quick figures picture claims validate test check bench bless
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -18,6 +18,9 @@ figures: ## redraw all figures from the data files, without computing anything
 		if [ -d results/$$preset/data ]; then $(ECHOLOT) figures --preset $$preset || exit 1; fi; \
 	done
 	@if [ -d results/validation/data ]; then $(ECHOLOT) validate --figures-only; fi
+
+picture: ## the sound field that README shows (results/field.png)
+	$(ECHOLOT) scene draw scenes/four_walls.json --click localization --after 0.0085 -o results/field.png
 
 validate: ## hold the field against laws of physics, all cases (results/validation)
 	$(ECHOLOT) validate --full

@@ -93,7 +93,7 @@ fn setup(nx: usize, ny: usize, scheme: Scheme) -> FieldSetup {
         }
     }
     let mask = SolidMask { nx, ny, cells };
-    FieldSetup::new(&grid, &medium, scheme, LAYER_CELLS, &mask)
+    FieldSetup::new(&grid, &medium, scheme, LAYER_CELLS, &mask.into())
 }
 
 /// What moves: source and receiver drift along x.

@@ -120,10 +120,15 @@ pub fn recording_key(scene: &Scene, take: &Take, engine_print: &str) -> Result<S
         key.value("spread", &take.spread.unwrap_or(scene.spread))?;
     }
     if !take.free_field {
+        if take.engine == Engine::Fdtd {
+            key.value("wall model", &take.wall_model.unwrap_or(scene.wall_model))?;
+        }
         for wall in &scene.walls {
             let corners: Vec<f64> = wall.points_m.iter().flatten().copied().collect();
             key.numbers("wall", &corners);
             key.numbers("thickness", &[wall.thickness_m]);
+            let impedance = wall.impedance_pasm.unwrap_or(f64::INFINITY);
+            key.numbers("impedance", &[impedance]);
         }
     }
     let steps = (path.duration_s() / PATH_STEP_S).floor() as usize;

@@ -141,6 +141,7 @@ impl Site {
                 max_order,
                 include_direct: true,
                 fade_m: 0.05,
+                stamped: false,
             };
             let (c_mps, rate_hz) = (parameters.speed_of_sound_mps, parameters.sample_rate_hz);
             synthesize(&room, &pair, &waveform, c_mps, rate_hz, &options)

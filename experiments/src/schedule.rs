@@ -119,8 +119,14 @@ pub fn run(
     let lanes = wanted.clamp(1, jobs.len()).min(threads.max(1));
     let share = (threads / lanes).max(1);
     let mut seconds_total = 0.0;
-    for job in jobs.iter().filter(|job| job.take.engine == Engine::Fdtd) {
+    let mut order: Vec<(f64, &Job)> = Vec::new();
+    for job in jobs {
+        if job.take.engine != Engine::Fdtd {
+            order.push((0.0, job));
+            continue;
+        }
         let estimate = estimate(scene, &job.take, share)?;
+        order.push((estimate.seconds, job));
         board.say(format!(
             "simulate {}: {estimate} on {share} thread(s)",
             job.label
@@ -134,9 +140,8 @@ pub fn run(
             duration(seconds_total)
         ));
     }
-    let mut order: Vec<&Job> = jobs.iter().collect();
-    order.sort_by(|a, b| length_s(scene, b).total_cmp(&length_s(scene, a)));
-    let queue: Mutex<VecDeque<&Job>> = Mutex::new(order.into());
+    order.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let queue: Mutex<VecDeque<&Job>> = Mutex::new(order.into_iter().map(|(_, job)| job).collect());
     let failures: Mutex<Vec<anyhow::Error>> = Mutex::default();
     std::thread::scope(|scope| {
         for _ in 0..lanes {

@@ -6,10 +6,14 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
 use fdtd::image_source::{self, DrivingPair, ImageSourceOptions};
+use fdtd::medium::Air;
+use fdtd::medium::absorbed::{LONGEST_M, Stamped};
+use fdtd::medium::absorption::nepers_per_metre;
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
 use fdtd::simulation::{Flow, Outcome, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
 use fdtd::spread::Spread;
+use fdtd::walls::WallModel;
 use fdtd::waveform::PeriodicWaveform;
 use localizer::recording::{OdometrySample, Recording, RecordingMeta};
 use localizer::{Parameters, Pose, Trajectory};
@@ -60,6 +64,12 @@ pub struct Take {
     /// Spreading of source and receiver; the scene's when absent.
     #[serde(skip)]
     pub spread: Option<Spread>,
+    /// With the source strength times the time since the middle of the drive; see [`fdtd::medium::absorbed`].
+    #[serde(skip)]
+    pub stamped: bool,
+    /// How walls become cells of the field; the scene's way when absent.
+    #[serde(skip)]
+    pub wall_model: Option<WallModel>,
     /// Without walls: the direct wave alone.
     pub free_field: bool,
     /// Steady error of the odometry's turn rate, rad/s.
@@ -74,8 +84,18 @@ impl Take {
             engine,
             scheme: None,
             spread: None,
+            stamped: false,
+            wall_model: None,
             free_field: false,
             odometry_bias_radps: ODOMETRY_BIAS_RADPS,
+        }
+    }
+
+    /// The same with the sound stamped by the time of sending.
+    pub fn stamped(&self) -> Self {
+        Self {
+            stamped: true,
+            ..self.clone()
         }
     }
 
@@ -142,8 +162,10 @@ fn field_options(take: &Take, threads: usize) -> SimulationOptions {
     SimulationOptions {
         scheme: take.scheme,
         spread: take.spread,
+        wall_model: take.wall_model,
         threads,
         free_field: take.free_field,
+        stamped: take.stamped,
         ..SimulationOptions::default()
     }
 }
@@ -183,6 +205,11 @@ pub fn signal(
 /// The signal by image sources. Without walls it is the direct wave, which a coincident pair does not have here.
 fn image_signal(scene: &Scene, take: &Take) -> Result<Vec<f32>> {
     let walls: &[fdtd::walls::Wall] = if take.free_field { &[] } else { &scene.walls };
+    if let Some(index) = walls.iter().position(|wall| wall.impedance_pasm.is_some()) {
+        anyhow::bail!(
+            "walls[{index}] has an impedance, but image sources know rigid walls only; use --engine fdtd or make it rigid"
+        );
+    }
     let drive = DrivingPair {
         path: scene.path(&take.path)?,
         loudspeaker_offset_m: scene.robot.loudspeaker_offset_m,
@@ -194,7 +221,10 @@ fn image_signal(scene: &Scene, take: &Take) -> Result<Vec<f32>> {
         &source_waveform(scene)?,
         &scene.medium,
         scene.sample_rate_hz,
-        &ImageSourceOptions::default(),
+        &ImageSourceOptions {
+            stamped: take.stamped,
+            ..ImageSourceOptions::default()
+        },
     );
     for sample in &mut signal {
         *sample *= SOURCE_STRENGTH_M2PS as f32;
@@ -269,6 +299,38 @@ fn field_signal(
     }
 }
 
+/// The signal of a take with what the air absorbs, from it and its stamped twin ([`Take::stamped`]).
+///
+/// # Errors
+/// When the scene has no such path.
+pub fn absorbed(
+    scene: &Scene,
+    take: &Take,
+    plain: &[f32],
+    stamped: &[f32],
+    air: &Air,
+) -> Result<Vec<f32>> {
+    let signals = Stamped {
+        plain,
+        stamped,
+        middle_s: 0.5 * scene.path(&take.path)?.duration_s(),
+        sample_rate_hz: scene.sample_rate_hz,
+    };
+    let alpha = |frequency_hz: f64| nepers_per_metre(air, frequency_hz);
+    Ok(signals.absorbed(scene.medium.c_mps, &alpha))
+}
+
+/// Writes the air that absorbed into a recording's provenance.
+pub fn tell_air(recording: &mut Recording, air: &Air) {
+    recording.meta.provenance["absorption"] = serde_json::json!({
+        "formula": "ISO 9613-1",
+        "temperature_degc": air.temperature_degc,
+        "relative_humidity_percent": air.relative_humidity_percent,
+        "pressure_pa": air.pressure_pa,
+        "longest_path_m": LONGEST_M,
+    });
+}
+
 /// Saves a checkpoint, making its folder.
 fn save(simulation: &Simulation, path: &Path) -> Result<()> {
     if let Some(folder) = path.parent() {
@@ -326,6 +388,7 @@ pub fn recording(scene: &Scene, take: &Take, signal: Vec<f32>, seconds: f64) -> 
                 "engine": take.engine,
                 "scheme": take.scheme.unwrap_or(scene.scheme),
                 "spread": take.spread.unwrap_or(scene.spread),
+                "wall_model": take.wall_model.unwrap_or(scene.wall_model),
                 "free_field": take.free_field,
                 "odometry_bias_radps": take.odometry_bias_radps,
                 "seconds": (seconds * 10.0).round() / 10.0,
@@ -360,6 +423,7 @@ pub fn engine_print(take: &Take, scene: &Scene) -> Result<String> {
         path: "probe".to_string(),
         scheme: Some(take.scheme.unwrap_or(scene.scheme)),
         spread: Some(take.spread.unwrap_or(scene.spread)),
+        wall_model: Some(take.wall_model.unwrap_or(scene.wall_model)),
         ..take.clone()
     };
     let task = crate::progress::Board::new().task("probe", 1);

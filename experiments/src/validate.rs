@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::Result;
 use fdtd::scheme::Scheme;
 use fdtd::validation::rig::{AIR, DT_S, DX_M};
-use fdtd::validation::{Depth, LAWS, Measurement, dispersion};
+use fdtd::validation::{Depth, LAWS, Measurement, dispersion, scene_echoes};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -177,7 +177,66 @@ fn measured(depth: Depth) -> Result<Table> {
     Ok(table)
 }
 
-/// Writes `validation.json`, `table.md` and the data of the figure into `folder`.
+/// Echoes of the scene, field and images: the signals at a place of the whole scene, and what every echo that stands alone is off.
+fn scene_echoes(depth: Depth, data: &Path) -> Result<()> {
+    let places = scene_echoes::places(depth)?;
+    let mut signal = Table::new(["t_ms", "field_pa", "images_pa"]);
+    if let Some(place) = places.iter().find(|place| place.whole) {
+        // At 60 kHz, from the burst's peak on.
+        let since_s = |n: usize| n as f64 * DT_S - scene_echoes::burst().centre_s;
+        for n in (0..place.heard.len())
+            .step_by(2)
+            .filter(|&n| since_s(n) >= 0.0)
+        {
+            signal.push([
+                cell(1e3 * since_s(n), 4),
+                format!("{:.4e}", place.heard[n]),
+                format!("{:.4e}", place.images[n]),
+            ]);
+        }
+    }
+    signal.write(&data.join("scene_signal.csv"))?;
+    let header = [
+        "x_m",
+        "y_m",
+        "scene",
+        "kind",
+        "walls",
+        "length_m",
+        "louder_db",
+        "late_us",
+        "late_on_c_us",
+    ];
+    let mut table = Table::new(header);
+    for place in &places {
+        for echo in &place.echoes {
+            table.push([
+                cell(place.place_m[0], 4),
+                cell(place.place_m[1], 4),
+                if place.whole {
+                    "all walls"
+                } else {
+                    "pair along the grid"
+                }
+                .to_string(),
+                scene_echoes::kind_name(echo.kind).to_string(),
+                if echo.along_grid {
+                    "along the grid"
+                } else {
+                    "slanted"
+                }
+                .to_string(),
+                cell(echo.length_m, 4),
+                cell(echo.louder_db, 3),
+                cell(1e6 * echo.late_s, 2),
+                cell(1e6 * echo.late_on_c_s, 1),
+            ]);
+        }
+    }
+    table.write(&data.join("scene_echoes.csv"))
+}
+
+/// Writes `validation.json`, `table.md`, `laws.md` and the data of the figures into `folder`.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -198,19 +257,71 @@ pub fn write(rows: &[Row], depth: Depth, folder: &Path) -> Result<()> {
         }
     }
     atomic::write(&folder.join("table.md"), text.as_bytes())?;
+    atomic::write(&folder.join("laws.md"), laws(rows).as_bytes())?;
     let data = folder.join("data");
+    scene_echoes(depth, &data)?;
     curves().write(&data.join("dispersion.csv"))?;
     measured(depth)?.write(&data.join("phase_velocity.csv"))
 }
 
-/// Draws the figure from the data in `folder`.
+/// How near to its limit a measurement comes: 1 at the limit, above beyond it.
+fn nearness(measurement: &Measurement) -> f64 {
+    let measured = measurement.measured;
+    match (measurement.least, measurement.most) {
+        (Some(least), Some(most)) => {
+            (measured - 0.5 * (least + most)).abs() / (0.5 * (most - least))
+        }
+        (None, Some(most)) if most < 0.0 => most / measured,
+        (None, Some(most)) => measured / most,
+        (Some(least), None) => least / measured,
+        (None, None) => 0.0,
+    }
+}
+
+/// One line per law: how much was measured, and what came nearest to its limit. README quotes it.
+pub fn laws(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "| law | within tolerance | nearest to its limit | tolerance | measured | verdict |\n|---|---|---|---|---|---|\n",
+    );
+    for law in LAWS {
+        let of_law: Vec<&Row> = rows
+            .iter()
+            .filter(|row| row.law == law.name && !row.measurement.informative)
+            .collect();
+        let nearest = of_law.iter().max_by(|one, other| {
+            nearness(&one.measurement).total_cmp(&nearness(&other.measurement))
+        });
+        let Some(nearest) = nearest else { continue };
+        let passed = of_law.iter().filter(|row| row.passed).count();
+        let measurement = &nearest.measurement;
+        text.push_str(&format!(
+            "| {} | {passed} of {} | {}: {} | {} | {} | {} |\n",
+            law.name,
+            of_law.len(),
+            measurement.case,
+            measurement.quantity,
+            tolerance(measurement),
+            number(measurement.measured),
+            if passed == of_law.len() {
+                "passed"
+            } else {
+                "**FAILED**"
+            },
+        ));
+    }
+    text
+}
+
+/// Draws the figures from the data in `folder`.
 ///
 /// # Errors
 /// When the data is missing or damaged, or the picture cannot be written.
-pub fn draw(folder: &Path) -> Result<std::path::PathBuf> {
-    let picture = folder.join("figures").join("fig_dispersion.png");
-    figures::dispersion::draw(&folder.join("data"), &picture)?;
-    Ok(picture)
+pub fn draw(folder: &Path) -> Result<Vec<std::path::PathBuf>> {
+    let (data, figures) = (folder.join("data"), folder.join("figures"));
+    let pictures = ["fig_dispersion.png", "fig_scene_echoes.png"].map(|name| figures.join(name));
+    figures::dispersion::draw(&data, &pictures[0])?;
+    figures::scene_echoes::draw(&data, &pictures[1])?;
+    Ok(pictures.to_vec())
 }
 
 #[cfg(test)]
@@ -245,6 +356,26 @@ mod tests {
         assert_eq!(tolerance(&good.measurement), "\u{b1} 0.100");
         assert_eq!(tolerance(&bad.measurement), "< -60.000");
         assert!(table(&[good]).contains("passed"));
+    }
+
+    #[test]
+    fn a_law_is_told_by_what_comes_nearest_to_its_limit() {
+        let row = |measured: f64| {
+            let measurement = Measurement::within("case".into(), "level, dB", measured, 0.1);
+            Row {
+                law: LAWS[0].name,
+                passed: measurement.passed(),
+                measurement,
+            }
+        };
+        let text = laws(&[row(0.01), row(-0.08), row(0.02)]);
+        assert!(
+            text.contains("| 3 of 3 | case: level, dB | \u{b1} 0.100 | -0.080 | passed |"),
+            "{text}"
+        );
+        assert!(laws(&[row(0.2), row(0.02)]).contains("| 1 of 2 |"));
+        let below = Measurement::below("case".into(), "reflection, dB", -80.0, -60.0);
+        assert_eq!(nearness(&below), 0.75);
     }
 
     #[test]

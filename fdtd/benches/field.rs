@@ -39,7 +39,7 @@ fn setup(side: usize, scheme: Scheme) -> FieldSetup {
         ny: side,
         cells,
     };
-    FieldSetup::new(&grid, &medium, scheme, LAYER_CELLS, &mask)
+    FieldSetup::new(&grid, &medium, scheme, LAYER_CELLS, &mask.into())
 }
 
 fn forcing(side: usize) -> Vec<StepForcing> {

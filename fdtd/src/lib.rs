@@ -7,6 +7,7 @@ pub mod exact;
 pub mod field;
 pub mod grid;
 pub mod image_source;
+pub mod medium;
 pub mod motion;
 pub mod pml;
 pub mod rays;

@@ -5,7 +5,7 @@ use fdtd::field::{FastField, Field, FieldSetup, Injection, ReferenceField, StepF
 use fdtd::grid::{Grid, Medium};
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
-use fdtd::walls::SolidMask;
+use fdtd::walls::{SolidMask, Wall, cut};
 use proptest::prelude::*;
 
 const AIR: Medium = Medium {
@@ -37,6 +37,16 @@ fn mask(grid: &Grid, rectangles: &[[usize; 4]]) -> SolidMask {
         ny: grid.ny,
         cells,
     }
+}
+
+/// Walls across the grid, anywhere.
+fn slanted(lines: &[[f64; 4]]) -> Vec<Wall> {
+    let wall = |&[x0, y0, x1, y1]: &[f64; 4]| Wall {
+        points_m: vec![[x0, y0], [x1, y1], [y1, x0]],
+        thickness_m: 0.012,
+        impedance_pasm: (x0 < 0.5).then_some(2000.0 * y0 + 1.0),
+    };
+    lines.iter().map(wall).collect()
 }
 
 /// A source and a receiver that cross the grid, with a waveform that fills the band.
@@ -109,10 +119,16 @@ proptest! {
         steps in 20usize..70,
         portable in any::<bool>(),
         rectangles in prop::collection::vec(prop::array::uniform4(0usize..180), 0..4),
+        lines in prop::collection::vec(prop::array::uniform4(0.0..0.9_f64), 0..3),
     ) {
         let grid = grid(nx, ny);
         let rectangles: Vec<_> = rectangles.iter().map(|&[x, y, w, h]| [x, y, 2 + w / 8, 2 + h / 3]).collect();
-        let setup = FieldSetup::new(&grid, &AIR, scheme, layer, &mask(&grid, &rectangles));
+        let walls = if lines.is_empty() {
+            mask(&grid, &rectangles).into()
+        } else {
+            cut(&grid, &slanted(&lines))
+        };
+        let setup = FieldSetup::new(&grid, &AIR, scheme, layer, &walls);
         let instructions = if portable { InstructionSet::Portable } else { InstructionSet::detect() };
         compare(&setup, &forcing(&grid, spread, steps), threads, instructions);
     }

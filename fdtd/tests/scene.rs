@@ -410,6 +410,71 @@ fn steps_and_bands_beyond_the_limits_are_refused_with_the_limit() {
 }
 
 #[test]
+fn a_medium_may_be_given_by_its_weather() {
+    let humid = |medium| read(&with("/medium", medium));
+    let scene =
+        humid(json!({ "temperature_degc": 20.0, "relative_humidity_percent": 50.0 })).unwrap();
+    // Cramer 1993 and CIPM-2007; the papers' 340 m/s is air of 14 degC.
+    assert!(
+        (scene.medium.c_mps - 344.0).abs() < 0.1,
+        "{:?}",
+        scene.medium
+    );
+    assert!(
+        (scene.medium.rho_kgpm3 - 1.199).abs() < 1e-3,
+        "{:?}",
+        scene.medium
+    );
+    assert_eq!(scene.air.unwrap().pressure_pa, 101_325.0);
+    let high = humid(
+        json!({ "temperature_degc": 20.0, "relative_humidity_percent": 50.0, "pressure_pa": 8e4 }),
+    )
+    .unwrap();
+    assert!(high.medium.rho_kgpm3 < 0.8 * scene.medium.rho_kgpm3);
+    assert_eq!(
+        read(&with("/medium", json!({ "c_mps": 343.0 })))
+            .unwrap()
+            .air,
+        None
+    );
+    for (medium, field) in [
+        (
+            json!({ "temperature_degc": 20.0 }),
+            "medium: `relative_humidity_percent` is missing",
+        ),
+        (
+            json!({ "relative_humidity_percent": 50.0, "pressure_pa": 1e5 }),
+            "medium: `temperature_degc` is missing",
+        ),
+        (json!({ "pressure_pa": 1e5 }), "medium: `pressure_pa` needs"),
+        (
+            json!({ "c_mps": 343.0, "pressure_pa": 1e5 }),
+            "medium: `pressure_pa` needs",
+        ),
+        (
+            json!({ "temperature_degc": 20.0, "relative_humidity_percent": 50.0, "rho_kgpm3": 1.2 }),
+            "medium: speed of sound or density stands beside",
+        ),
+        (
+            json!({ "temperature_degc": 293.15, "relative_humidity_percent": 50.0 }),
+            "medium.temperature_degc: 293.15",
+        ),
+        (
+            json!({ "temperature_degc": 20.0, "relative_humidity_percent": 0.5e3 }),
+            "medium.relative_humidity_percent: 500",
+        ),
+        (
+            json!({ "temperature_degc": 20.0, "relative_humidity_percent": 50.0, "pressure_pa": 1013.25 }),
+            "medium.pressure_pa: 1013.25",
+        ),
+    ] {
+        let message = refusal(&with("/medium", medium));
+        assert!(message.contains(field), "{message}");
+        assert_eq!(message.lines().count(), 1);
+    }
+}
+
+#[test]
 fn numbers_out_of_range_are_refused() {
     for (pointer, value, expected) in [
         ("/medium/c_mps", json!(-340.0), "medium.c_mps"),
@@ -702,4 +767,33 @@ fn the_site_has_corner_echoes_up_to_six_metres_and_speeds_of_the_paper() {
     }
     println!("corner echoes up to {farthest_m:.2} m round trip");
     assert!((farthest_m - 6.0).abs() < 0.5, "{farthest_m}");
+}
+
+#[test]
+fn impedance_and_absorption_are_read_or_refused() {
+    let wall = |surface: &str| {
+        let text = format!(
+            r#"{{"name": "t", "grid": {{"nx": 200, "ny": 200, "dx_m": 0.005, "dt_s": 8.333e-6}},
+            "walls": [{{"points_m": [[0.3, 0.3], [0.6, 0.3]]{surface}}}]}}"#
+        );
+        Scene::from_json(&text, Path::new("t.json")).map(|scene| scene.walls[0].impedance_pasm)
+    };
+    assert_eq!(wall("").unwrap(), None);
+    assert_eq!(wall(", \"absorption\": 0").unwrap(), None);
+    assert_eq!(wall(", \"impedance_pasm\": 900").unwrap(), Some(900.0));
+    // Half of the energy: a reflection factor of 0.7071.
+    let half = wall(", \"absorption\": 0.5").unwrap().unwrap();
+    assert!((half / (1.293 * 340.0) - 5.8284).abs() < 1e-3, "{half}");
+    for (surface, field) in [
+        (", \"impedance_pasm\": 0", "walls[0].impedance_pasm"),
+        (", \"impedance_pasm\": -1", "walls[0].impedance_pasm"),
+        (", \"absorption\": 1.1", "walls[0].absorption"),
+        (
+            ", \"absorption\": 0.1, \"impedance_pasm\": 900",
+            "walls[0].absorption",
+        ),
+    ] {
+        let error = wall(surface).unwrap_err().to_string();
+        assert!(error.contains(field), "{error}");
+    }
 }

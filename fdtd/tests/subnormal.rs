@@ -36,7 +36,7 @@ fn field(scheme: Scheme) -> FastField {
         ny: SIDE,
         cells,
     };
-    FastField::new(FieldSetup::new(&grid, &medium, scheme, 20, &mask), 1)
+    FastField::new(FieldSetup::new(&grid, &medium, scheme, 20, &mask.into()), 1)
 }
 
 /// Steps `from..to` of a tone of 1 kHz.

@@ -1,7 +1,9 @@
-//! Rasterized walls: thickness, place, tightness.
+//! Walls as cells: thickness, place, tightness; what cut cells keep.
 
 use fdtd::grid::Grid;
-use fdtd::walls::{SolidMask, Wall, cell_at, cell_centre_m, rasterize};
+use fdtd::scheme::Scheme;
+use fdtd::walls::operator::WallOperator;
+use fdtd::walls::{SolidMask, Wall, WallCells, cell_at, cell_centre_m, cut, rasterize};
 
 const GRID: Grid = Grid {
     nx: 120,
@@ -35,6 +37,7 @@ fn a_wall_on_the_grid_has_the_cells_of_its_size() {
     let wall = Wall {
         points_m: vec![[0.1, 0.2], [0.3, 0.2]],
         thickness_m: 0.02,
+        impedance_pasm: None,
     };
     let mask = rasterize(&GRID, &[wall]);
     assert_eq!(mask.solid_cells(), 160);
@@ -45,6 +48,7 @@ fn a_wall_on_the_grid_has_the_cells_of_its_size() {
     let column = Wall {
         points_m: vec![[0.2, 0.3], [0.2, 0.1]],
         thickness_m: 0.02,
+        impedance_pasm: None,
     };
     assert_eq!(rasterize(&GRID, &[column]).solid_cells(), 160);
 }
@@ -67,6 +71,7 @@ fn closed_walls_are_tight_at_any_angle_and_minimal_thickness() {
             let closed = Wall {
                 points_m: points_m.clone(),
                 thickness_m: 0.01,
+                impedance_pasm: None,
             };
             assert!(
                 !leaks(&rasterize(&GRID, &[closed]), (60, 60)),
@@ -77,6 +82,7 @@ fn closed_walls_are_tight_at_any_angle_and_minimal_thickness() {
             let open = Wall {
                 points_m,
                 thickness_m: 0.01,
+                impedance_pasm: None,
             };
             assert!(leaks(&rasterize(&GRID, &[open]), (60, 60)));
         }
@@ -90,6 +96,7 @@ fn the_area_of_a_slanted_wall_is_right() {
         let wall = Wall {
             points_m: vec![[0.1, 0.1], [0.1 + 0.4 * cos, 0.1 + 0.4 * sin]],
             thickness_m: 0.02,
+            impedance_pasm: None,
         };
         let area = rasterize(&GRID, &[wall]).solid_cells() as f64 * 2.5e-5;
         assert!((area - 0.008).abs() < 2.5e-4, "{area}");
@@ -101,11 +108,13 @@ fn walls_beyond_the_grid_are_cut_and_cells_found_again() {
     let wall = Wall {
         points_m: vec![[-1.0, 0.2], [9.0, 0.2]],
         thickness_m: 0.02,
+        impedance_pasm: None,
     };
     assert_eq!(rasterize(&GRID, &[wall]).solid_cells(), 480);
     let far = Wall {
         points_m: vec![[-1e9, -5.0], [1e9, -5.0]],
         thickness_m: 0.02,
+        impedance_pasm: None,
     };
     assert_eq!(rasterize(&GRID, &[far]).solid_cells(), 0);
     for (ix, iy) in [(0, 0), (119, 3), (57, 119)] {
@@ -120,13 +129,143 @@ fn lengths_and_joints() {
     let open = Wall {
         points_m: vec![[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]],
         thickness_m: 0.02,
+        impedance_pasm: None,
     };
     assert_eq!(open.length_m(), 7.0);
     assert_eq!(open.joints_m().collect::<Vec<_>>(), vec![[3.0, 0.0]]);
     let closed = Wall {
         points_m: vec![[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [0.0, 0.0]],
         thickness_m: 0.02,
+        impedance_pasm: None,
     };
     assert_eq!(closed.joints_m().count(), 3);
     assert!(closed.contains([0.0, 0.005]) && !closed.contains([1.0, 1.0]));
+}
+
+/// Area in square metres that walls take.
+fn taken_m2(cells: &WallCells) -> f64 {
+    let open: f64 = cells.areas().iter().sum();
+    (GRID.cells() as f64 - open) * GRID.dx_m * GRID.dx_m
+}
+
+#[test]
+fn along_the_axes_on_cell_borders_both_models_are_the_same() {
+    let walls = [
+        Wall {
+            points_m: vec![[0.1, 0.2], [0.3, 0.2]],
+            thickness_m: 0.02,
+            impedance_pasm: None,
+        },
+        Wall {
+            points_m: vec![[0.45, 0.5], [0.45, 0.095]],
+            thickness_m: 0.03,
+            impedance_pasm: None,
+        },
+        // Across the first.
+        Wall {
+            points_m: vec![[0.2, 0.1], [0.2, 0.4]],
+            thickness_m: 0.02,
+            impedance_pasm: None,
+        },
+    ];
+    let (cut, stairs) = (cut(&GRID, &walls), rasterize(&GRID, &walls).into());
+    assert_eq!(cut, stairs);
+    for scheme in Scheme::ALL {
+        let weights = scheme.weights(0.5667);
+        let rows = |cells| WallOperator::new(cells, &weights, scheme.radius());
+        assert_eq!(rows(&cut), rows(&stairs), "{scheme}");
+    }
+}
+
+#[test]
+fn cut_cells_keep_the_area_of_the_air() {
+    for degrees in [3.0_f64, 10.0, 30.0, 41.0, 45.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let at = |along: f64| [0.1 + along * cos, 0.1 + along * sin];
+        let wall = |from, to, thickness_m| Wall {
+            points_m: vec![at(from), at(to)],
+            thickness_m,
+            impedance_pasm: None,
+        };
+        let whole = [wall(0.0, 0.4, 0.02)];
+        // The same place in two walls that overlap, and a thinner one within them.
+        let parts = [
+            wall(0.0, 0.3, 0.02),
+            wall(0.2, 0.4, 0.02),
+            wall(0.1, 0.35, 0.012),
+        ];
+        for walls in [&whole[..], &parts[..]] {
+            let taken_m2 = taken_m2(&cut(&GRID, walls));
+            // Only cells with less than a 256th of air are closed.
+            assert!((taken_m2 - 0.008).abs() < 1e-6, "{degrees}: {taken_m2}");
+        }
+    }
+    let bent = Wall {
+        points_m: vec![[0.1, 0.3], [0.3, 0.34], [0.42, 0.2]],
+        thickness_m: 0.02,
+        impedance_pasm: None,
+    };
+    // Two rectangles and the round joint, less what they share: a kite on the inner side, and half of the disc.
+    let turn = (0.12_f64.atan2(0.14) + 0.2_f64.atan2(0.04)) - std::f64::consts::PI;
+    let turn = turn.abs();
+    let expected_m2 = 0.02 * bent.length_m() + 1e-4 * (0.5 * turn - (0.5 * turn).tan());
+    let taken_m2 = taken_m2(&cut(&GRID, &[bent]));
+    assert!(
+        (taken_m2 - expected_m2).abs() < 2e-6,
+        "{taken_m2} {expected_m2}"
+    );
+}
+
+#[test]
+fn faces_of_cut_cells_keep_the_spectrum_and_rows_sum_to_zero() {
+    let points_m = vec![
+        [0.1, 0.1],
+        [0.5, 0.185],
+        [0.4, 0.5],
+        [0.11, 0.47],
+        [0.1, 0.1],
+    ];
+    let wall = Wall {
+        points_m,
+        thickness_m: 0.011,
+        impedance_pasm: None,
+    };
+    let cells = cut(&GRID, &[wall]);
+    for (cell, opening) in cells.partial() {
+        assert!(
+            (1.0 / 256.0..=1.0).contains(&opening.area),
+            "{cell}: {opening:?}"
+        );
+        for face in [opening.west, opening.south] {
+            assert!((0.0..=1.0).contains(&face) && face <= 4.0 * opening.area);
+        }
+    }
+    for scheme in Scheme::ALL {
+        let weights = scheme.weights(0.5667);
+        let operator = WallOperator::new(&cells, &weights, scheme.radius());
+        let solid = |ix: usize, iy: usize| cells.solid().is_solid(ix, iy);
+        // What the plain stencil loses to solid cells is what the corrections bring back.
+        let plain = |dx: isize, dy: isize| match (dx.abs().min(dy.abs()), dx.abs().max(dy.abs())) {
+            (0, 1) => weights.edge,
+            (1, 1) => weights.corner,
+            (0, 2) => weights.far,
+            (1, 2) => weights.knight,
+            (0, 3) => weights.outer,
+            _ => 0.0,
+        };
+        for (iy, row) in operator.corrections.iter().enumerate() {
+            for correction in row {
+                let mut sum: f64 = correction.entries.iter().map(|e| f64::from(e.2)).sum();
+                for dy in -3..=3_isize {
+                    for dx in -3..=3_isize {
+                        let place = |at: usize, by: isize| (at as isize + by) as usize;
+                        if solid(place(correction.ix, dx), place(iy, dy)) {
+                            sum -= f64::from(plain(dx, dy));
+                        }
+                    }
+                }
+                assert_eq!(sum, 0.0, "{scheme}: cell {} {iy}", correction.ix);
+            }
+        }
+    }
 }

@@ -5,6 +5,7 @@
 //! drawing an image is a walk over the runs.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use ndarray::{Array2, ArrayView2};
 
@@ -16,12 +17,17 @@ fn direction_index(difference_rad: f64, directions: usize) -> usize {
     (directions as f64 / PI * wrap_angle(difference_rad).abs() + 0.5) as usize
 }
 
+/// Parts of the turn whose place in the order of angles is on file.
+const SECTORS: usize = 4096;
+
 /// The pixels of a square window around the robot, in the order in which images are kept.
 #[derive(Debug, Clone)]
 pub struct Window {
     half_cells: usize,
     /// Pixels with an echo, sorted by angle: world angle in (-pi, pi].
     angles_rad: Vec<f64>,
+    /// For each of [`SECTORS`] equal parts of the turn, the first pixel with an angle in it or after it.
+    sectors: Vec<u32>,
     /// Their delays in samples, eq. (5).
     delays: Vec<u32>,
     /// Offsets `[mx, my]` of all pixels: first those with an echo, then those too near or too far.
@@ -49,9 +55,15 @@ impl Window {
             }
         }
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let angles_rad: Vec<f64> = near.iter().map(|pixel| pixel.0).collect();
+        let sectors = (0..SECTORS).map(|sector| {
+            let start_rad = 2.0 * PI * sector as f64 / SECTORS as f64 - PI;
+            angles_rad.partition_point(|&angle| angle < start_rad) as u32
+        });
         Self {
             half_cells,
-            angles_rad: near.iter().map(|pixel| pixel.0).collect(),
+            sectors: sectors.collect(),
+            angles_rad,
             delays: near.iter().map(|pixel| pixel.1).collect(),
             offsets: near.iter().map(|pixel| pixel.2).chain(blind).collect(),
         }
@@ -89,24 +101,81 @@ impl Window {
         if directions == 0 {
             return self.copy_run(&polar, 0, 0, lit, image);
         }
+        self.for_each_run(directions, heading_rad, |direction, run| {
+            self.copy_run(&polar, direction, run.start, run.end, image);
+        });
+    }
+
+    /// Pixels with an echo; they come first in the order of the images.
+    pub(crate) fn lit(&self) -> usize {
+        self.angles_rad.len()
+    }
+
+    /// Delays of the pixels with an echo, in samples.
+    pub(crate) fn delays(&self) -> &[u32] {
+        &self.delays
+    }
+
+    /// Calls `told` with the direction's index for all runs of neighbouring pixels that see one direction under a heading. The
+    /// runs follow one another and cover all pixels with an echo; there are at most [`most_runs`] of them.
+    pub(crate) fn for_each_run(
+        &self,
+        directions: usize,
+        heading_rad: f64,
+        mut told: impl FnMut(usize, Range<usize>),
+    ) {
+        let lit = self.lit();
         let heading_rad = wrap_angle(heading_rad);
+        let width_rad = PI / directions as f64;
         // Ahead and astern the bearing turns around; between these cuts it is monotone, so a direction is one run.
         let cut = |angle_rad: f64| self.angles_rad.partition_point(|&angle| angle < angle_rad);
         let opposite = cut(wrap_angle(heading_rad + PI));
         let ahead = cut(heading_rad);
         let mut start = 0;
+        let index =
+            |pixel: usize| direction_index(self.angles_rad[pixel] - heading_rad, directions);
         for segment in [opposite.min(ahead), opposite.max(ahead), lit] {
+            // Direction of the next run and the angle at which it should end: guessed from the run before, so that a processor
+            // need not wait for one run before it begins the next.
+            let mut guess = (usize::MAX, 0.0);
             while start < segment {
-                let index = |angle: f64| direction_index(angle - heading_rad, directions);
-                let direction = index(self.angles_rad[start]);
-                let end = start
-                    + run_length(&self.angles_rad[start..segment], |angle| {
-                        index(angle) == direction
-                    });
-                self.copy_run(&polar, direction, start, end, image);
+                let direction = index(start);
+                let turned_rad = wrap_angle(self.angles_rad[start] - heading_rad);
+                let rises = turned_rad >= 0.0;
+                if guess.0 != direction {
+                    let left_rad = if rises {
+                        (direction as f64 + 0.5) * width_rad - turned_rad
+                    } else {
+                        -turned_rad - (direction as f64 - 0.5) * width_rad
+                    };
+                    guess = (direction, self.angles_rad[start] + left_rad);
+                }
+                // Rounding may put the end some pixels beside.
+                let mut end = self.place_of(guess.1).clamp(start + 1, segment);
+                while end < segment && index(end) == direction {
+                    end += 1;
+                }
+                while end > start + 1 && index(end - 1) != direction {
+                    end -= 1;
+                }
+                told(direction, start..end);
                 start = end;
+                let next = if rises {
+                    direction + 1
+                } else {
+                    direction.wrapping_sub(1)
+                };
+                guess = (next, guess.1 + width_rad);
             }
         }
+    }
+
+    /// About where an angle has its place in the order; angles beyond the turn have theirs at its ends.
+    fn place_of(&self, angle_rad: f64) -> usize {
+        let sector = ((angle_rad + PI) * (SECTORS as f64 / (2.0 * PI))) as usize;
+        self.sectors
+            .get(sector)
+            .map_or(self.lit(), |&place| place as usize)
     }
 
     fn copy_run(
@@ -142,17 +211,9 @@ impl Window {
     }
 }
 
-/// Length of the leading run of angles that fulfil a condition which, once it fails, stays failed. At least 1.
-fn run_length(angles: &[f64], condition: impl Fn(f64) -> bool) -> usize {
-    // Runs are much shorter than the rest of the list: double the step first.
-    let mut step = 32;
-    let mut low = 1;
-    while low + step < angles.len() && condition(angles[low + step]) {
-        low += step;
-        step *= 2;
-    }
-    let high = (low + step).min(angles.len());
-    low + angles[low.min(high)..high].partition_point(|&angle| condition(angle))
+/// Most runs that [`Window::for_each_run`] finds: every direction to the left and to the right, and the turn's two ends.
+pub(crate) fn most_runs(directions: usize) -> usize {
+    2 * directions + 6
 }
 
 #[cfg(test)]

@@ -44,6 +44,7 @@ pub mod recording;
 pub mod reference;
 pub mod resample;
 pub mod resampling;
+mod sheets;
 pub mod tracker;
 pub mod trajectory;
 pub mod waveform;

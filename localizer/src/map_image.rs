@@ -59,6 +59,19 @@ impl MapImage {
             centre[0].saturating_sub(self.origin_cell[0]),
             centre[1].saturating_sub(self.origin_cell[1]),
         ];
+        let half = window.half_cells() as i64;
+        let within = |centre: i64, cells: i64| centre >= half && centre < cells - half;
+        if within(first[0], columns)
+            && within(first[1], rows)
+            && let Some(cells) = layer.as_slice()
+        {
+            // All of the window lies within the map.
+            let centre = first[1] * columns + first[0];
+            for (pixel, &[mx, my]) in image.iter_mut().zip(window.offsets()) {
+                *pixel = cells[(centre + i64::from(my) * columns + i64::from(mx)) as usize];
+            }
+            return;
+        }
         for (pixel, &[mx, my]) in image.iter_mut().zip(window.offsets()) {
             let (x, y) = (
                 first[0].saturating_add(i64::from(mx)),

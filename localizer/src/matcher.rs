@@ -7,6 +7,7 @@ use crate::map_image::MapImage;
 use crate::mutual_information::{MutualInformation, quantize};
 use crate::parameters::{Method, Parameters};
 use crate::pose::Pose;
+use crate::sheets::{Outline, Sheets};
 
 /// Compares echo images with parts of the map, eqs. (9)-(16).
 ///
@@ -17,12 +18,14 @@ pub(crate) struct Matcher {
     bins: usize,
     window: Window,
     tool: MutualInformation,
+    sheets: Sheets,
     image: Vec<f32>,
     echo: Vec<u8>,
     crops: Vec<Crop>,
+    sights: Vec<Sight>,
 }
 
-/// A quantized part of the map and, for the range-only method, its mutual information with the echo image.
+/// A quantized part of the map and, without bearings, its mutual information with the echo image.
 struct Crop {
     centre: [i64; 2],
     bins: Vec<u8>,
@@ -42,20 +45,33 @@ impl Crop {
     }
 }
 
+/// What a particle is to be compared with.
+#[derive(Debug, Clone, Copy)]
+struct Sight {
+    particle: usize,
+    crop: usize,
+    outline: Outline,
+}
+
 impl Matcher {
     pub(crate) fn new(parameters: &Parameters) -> Self {
         let window = Window::new(parameters, parameters.window_cells());
+        let particles = parameters.particles;
+        let directions = match parameters.method {
+            Method::Doppler => parameters.directions,
+            Method::ToaOnly | Method::Odometry => 0,
+        };
         Self {
             method: parameters.method,
             sensor_offset_m: parameters.sensor_offset_m,
             bins: parameters.bins,
             tool: MutualInformation::new(parameters.bins, window.len()),
+            sheets: Sheets::new(&window, directions, parameters.bins, particles),
             image: vec![0.0; window.len()],
             echo: vec![0; window.len()],
             // As many as there can be cells with particles: made now, a step never has to allocate.
-            crops: (0..parameters.particles)
-                .map(|_| Crop::new(window.len()))
-                .collect(),
+            crops: (0..particles).map(|_| Crop::new(window.len())).collect(),
+            sights: Vec::with_capacity(particles),
             window,
         }
     }
@@ -68,38 +84,69 @@ impl Matcher {
         particles: &[Pose],
         information: &mut [f64],
     ) {
+        if polar.nrows() < 2 {
+            return self.blind_information(polar, map, particles, information);
+        }
+        if polar.nrows() != self.sheets.directions() + 1 {
+            // Another number of directions than the parameters said.
+            self.sheets = Sheets::new(&self.window, polar.nrows() - 1, self.bins, particles.len());
+        }
+        self.sheets.clear();
+        self.sights.clear();
         let mut used = 0;
-        let blind = polar.nrows() == 1;
-        let mut echo_marginal = 0.0;
-        for (index, (particle, out)) in particles.iter().zip(information).enumerate() {
-            let centre = map.cell_of(&particle.carried(self.sensor_offset_m));
-            let crop = match self.crops[..used]
-                .iter()
-                .position(|crop| crop.centre == centre)
-            {
-                Some(crop) => crop,
-                None => {
-                    self.cut(map, centre, used);
-                    used += 1;
-                    used - 1
-                }
-            };
-            // Without bearings the echo image is the same for every particle.
-            if index == 0 || !blind {
-                self.window
-                    .draw(polar, particle.heading_rad, &mut self.image);
-                quantize(&self.image, self.bins, &mut self.echo);
-                echo_marginal = self.tool.marginal(&self.echo);
-            }
+        for (particle, pose) in particles.iter().enumerate() {
+            let crop = self.crop_around(map, pose, &mut used);
+            let outline = self.sheets.outline(&self.window, polar, pose.heading_rad);
+            self.sights.push(Sight {
+                particle,
+                crop,
+                outline,
+            });
+        }
+        // Images with the same maximum share their bins.
+        self.sights
+            .sort_unstable_by(|a, b| a.outline.largest.total_cmp(&b.outline.largest));
+        for sight in &self.sights {
+            self.sheets.draw(sight.outline, &mut self.echo);
+            let crop = &self.crops[sight.crop];
+            information[sight.particle] =
+                self.tool.information(&self.echo, &crop.bins, crop.marginal);
+        }
+    }
+
+    /// [`Self::information`] without bearings: the echo image is the same for every particle, and so is the information in a cell.
+    fn blind_information(
+        &mut self,
+        polar: ArrayView2<'_, f32>,
+        map: &MapImage,
+        particles: &[Pose],
+        information: &mut [f64],
+    ) {
+        self.window.draw(polar, 0.0, &mut self.image);
+        quantize(&self.image, self.bins, &mut self.echo);
+        let mut used = 0;
+        for (pose, out) in particles.iter().zip(information) {
+            let crop = self.crop_around(map, pose, &mut used);
             let crop = &mut self.crops[crop];
-            *out = match crop.information.filter(|_| blind) {
+            *out = match crop.information {
                 Some(known) => known,
-                None => self
-                    .tool
-                    .information(&self.echo, echo_marginal, &crop.bins, crop.marginal),
+                None => self.tool.information(&self.echo, &crop.bins, crop.marginal),
             };
             crop.information = Some(*out);
         }
+    }
+
+    /// Number of the crop around a pose's cell, made if it is not among the `used` ones.
+    fn crop_around(&mut self, map: &MapImage, pose: &Pose, used: &mut usize) -> usize {
+        let centre = map.cell_of(&pose.carried(self.sensor_offset_m));
+        let known = self.crops[..*used]
+            .iter()
+            .position(|crop| crop.centre == centre);
+        known.unwrap_or_else(|| {
+            self.cut(map, centre, *used);
+            *used += 1;
+            *used - 1
+        })
     }
 
     /// Makes crop number `slot` the one around a world cell.

@@ -1,5 +1,8 @@
 //! Mutual information of two quantized images, eqs. (9)-(14).
 
+/// Lanes in which pixels are counted and sums are added up: an addition does not wait for the one before.
+const LANES: usize = 4;
+
 /// Counts, logarithms and room for images of a fixed number of pixels and bins; nothing is allocated afterwards.
 ///
 /// With counts n of N pixels, eq. (9) is exactly
@@ -9,12 +12,14 @@ pub struct MutualInformation {
     pixels: usize,
     /// Binary digits of one bin number.
     digits: u32,
-    /// Joint counts, row by row; zero between calls.
-    joint: Vec<u32>,
+    /// Joint counts, row by row; zero between calls. Has a place for every `u16`, so that none has to be checked.
+    joint: Box<[u32; 1 << 16]>,
     /// Place of every pixel among the joint counts.
     places: Vec<u16>,
-    /// Counts of single bins in four copies, so that a run of equal pixels does not wait for itself.
-    single: [[u32; 256]; 4],
+    /// The places in the order in which each lane first met them.
+    met: Vec<[u16; LANES]>,
+    /// Counts of single bins in as many copies, so that a run of equal pixels does not wait for itself.
+    single: [[u32; 256]; LANES],
     n_ln_n: Vec<f64>,
 }
 
@@ -25,9 +30,11 @@ impl MutualInformation {
         Self {
             pixels,
             digits,
-            joint: vec![0; 1 << (2 * digits)],
+            joint: Box::new([0; 1 << 16]),
             places: vec![0; pixels],
-            single: [[0; 256]; 4],
+            // One more than a lane has pixels: where the next place would go.
+            met: vec![[0; LANES]; pixels / LANES + LANES],
+            single: [[0; 256]; LANES],
             n_ln_n: (0..=pixels)
                 .map(|n| {
                     if n < 2 {
@@ -42,8 +49,7 @@ impl MutualInformation {
 
     /// Sum of n ln n over the bins of one image: `N ln N - N` times its entropy.
     pub fn marginal(&mut self, image: &[u8]) -> f64 {
-        self.single = [[0; 256]; 4];
-        let (chunks, rest) = image.as_chunks::<4>();
+        let (chunks, rest) = image.as_chunks::<LANES>();
         for chunk in chunks {
             for (single, &bin) in self.single.iter_mut().zip(chunk) {
                 single[usize::from(bin)] += 1;
@@ -52,23 +58,24 @@ impl MutualInformation {
         for &bin in rest {
             self.single[0][usize::from(bin)] += 1;
         }
-        let count = |bin: usize| self.single.iter().map(|single| single[bin]).sum::<u32>();
-        (0..256)
-            .map(|bin| self.n_ln_n.get(count(bin) as usize).copied().unwrap_or(0.0))
-            .sum()
+        self.single_sum()
     }
 
-    /// Mutual information in nats of two images whose [`Self::marginal`] sums are known.
+    /// Sum of n ln n over the single bins, whose counts it leaves zero.
+    fn single_sum(&mut self) -> f64 {
+        let mut sum = 0.0;
+        for bin in 0..256 {
+            let count: u32 = self.single.iter().map(|single| single[bin]).sum();
+            sum += self.n_ln_n.get(count as usize).copied().unwrap_or(0.0);
+        }
+        self.single = [[0; 256]; LANES];
+        sum
+    }
+
+    /// Mutual information in nats of two images; `second_sum` is the [`Self::marginal`] of the second.
     ///
-    /// Both images have the number of pixels given to [`Self::new`] and no bin above `bins`; pixels that break this are left
-    /// out.
-    pub fn information(
-        &mut self,
-        first: &[u8],
-        first_sum: f64,
-        second: &[u8],
-        second_sum: f64,
-    ) -> f64 {
+    /// Both images have the number of pixels given to [`Self::new`] and no bin above `bins`.
+    pub fn information(&mut self, first: &[u8], second: &[u8], second_sum: f64) -> f64 {
         if self.pixels == 0 {
             return 0.0;
         }
@@ -76,42 +83,70 @@ impl MutualInformation {
         for ((place, &a), &b) in self.places.iter_mut().zip(first).zip(second) {
             *place = (u16::from(a) << digits) | u16::from(b);
         }
-        for &place in &self.places {
-            if let Some(count) = self.joint.get_mut(usize::from(place)) {
-                *count += 1;
-            }
-        }
-        // A second walk over the pixels meets every used count once and leaves zeros behind. Four sums, so that an addition
-        // does not wait for the one before.
-        let mut sums = [0.0; 4];
-        let n_ln_n = self.n_ln_n.as_slice();
-        let joint = self.joint.as_mut_slice();
-        let mut take = |place: u16| {
-            let count = joint.get_mut(usize::from(place)).map_or(0, std::mem::take);
-            n_ln_n.get(count as usize).copied().unwrap_or(0.0)
-        };
-        let (chunks, rest) = self.places.as_chunks::<4>();
-        for chunk in chunks {
-            for (sum, &place) in sums.iter_mut().zip(chunk) {
-                *sum += take(place);
-            }
-        }
-        for &place in rest {
-            sums[0] += take(place);
-        }
-        let joint_sum: f64 = sums.iter().sum();
+        let lengths = self.count();
+        let joint_sum = self.joint_sum(lengths);
+        let first_sum = self.single_sum();
         let total = self.pixels as f64;
         // Rounding may leave a tiny negative number where there is no information.
         ((joint_sum - first_sum - second_sum) / total + total.ln()).max(0.0)
+    }
+
+    /// Counts all places. Returns how many each lane was the first to meet.
+    fn count(&mut self) -> [usize; LANES] {
+        let Self {
+            joint, places, met, ..
+        } = self;
+        let met = met.as_mut_slice();
+        let mut lengths = [0; LANES];
+        let mut count = |place: u16, lane: usize| {
+            let count = &mut joint[usize::from(place)];
+            // Always written, kept only if new: no branch that would be guessed wrong.
+            met[lengths[lane]][lane] = place;
+            lengths[lane] += usize::from(*count == 0);
+            *count += 1;
+        };
+        let (chunks, rest) = places.as_chunks::<LANES>();
+        for chunk in chunks {
+            for (lane, &place) in chunk.iter().enumerate() {
+                count(place, lane);
+            }
+        }
+        for &place in rest {
+            count(place, 0);
+        }
+        lengths
+    }
+
+    /// Sum of n ln n over the joint counts, lane by lane in the order of [`Self::count`]. Leaves the joint counts zero and those of the
+    /// first image in `single`.
+    fn joint_sum(&mut self, lengths: [usize; LANES]) -> f64 {
+        let longest = lengths.into_iter().fold(0, usize::max);
+        let mut sums = [0.0; LANES];
+        for (index, met) in self.met[..longest].iter().enumerate() {
+            for lane in 0..LANES {
+                if index < lengths[lane] {
+                    let place = usize::from(met[lane]);
+                    let count = std::mem::take(&mut self.joint[place]);
+                    sums[lane] += self.n_ln_n[count as usize];
+                    self.single[lane][(place >> self.digits) & 255] += count;
+                }
+            }
+        }
+        sums.iter().sum()
     }
 }
 
 /// Bin numbers floor(K value / max) of an image of non-negative values, eqs. (13) and (14); all zero for a black image.
 pub fn quantize(image: &[f32], bins: usize, quantized: &mut [u8]) {
-    let largest = largest(image);
+    let largest = largest_of(image);
     if largest <= 0.0 {
         return quantized.fill(0);
     }
+    quantize_by(largest, image, bins, quantized);
+}
+
+/// [`quantize`] by a positive maximum that is known.
+pub(crate) fn quantize_by(largest: f32, image: &[f32], bins: usize, quantized: &mut [u8]) {
     let bins = bins as f32;
     for (bin, &value) in quantized.iter_mut().zip(image) {
         // The conversion truncates, which is the floor of a non-negative number.
@@ -119,8 +154,8 @@ pub fn quantize(image: &[f32], bins: usize, quantized: &mut [u8]) {
     }
 }
 
-/// Largest of non-negative values; in eight independent lanes, so that it needs no order.
-fn largest(image: &[f32]) -> f32 {
+/// Largest of non-negative values, zero without any; in eight independent lanes, for it needs no order.
+pub(crate) fn largest_of(image: &[f32]) -> f32 {
     let mut lanes = [0.0_f32; 8];
     let (chunks, rest) = image.as_chunks::<8>();
     for chunk in chunks {
@@ -138,8 +173,33 @@ mod tests {
 
     fn information(first: &[u8], second: &[u8]) -> f64 {
         let mut tool = MutualInformation::new(255, first.len());
-        let (a, b) = (tool.marginal(first), tool.marginal(second));
-        tool.information(first, a, second, b)
+        let second_sum = tool.marginal(second);
+        tool.information(first, second, second_sum)
+    }
+
+    /// The same sums by a second walk over all pixels, in the order that results on file rest on.
+    fn by_two_walks(first: &[u8], second: &[u8]) -> f64 {
+        let n_ln_n = |n: u32| match n {
+            0 | 1 => 0.0,
+            _ => f64::from(n) * f64::from(n).ln(),
+        };
+        let mut joint = vec![[0_u32; 256]; 256];
+        let (mut rows, mut columns) = ([0_u32; 256], [0_u32; 256]);
+        for (&a, &b) in first.iter().zip(second) {
+            joint[usize::from(a)][usize::from(b)] += 1;
+            rows[usize::from(a)] += 1;
+            columns[usize::from(b)] += 1;
+        }
+        let mut sums = [0.0; LANES];
+        let whole = first.len() / LANES * LANES;
+        for (index, (&a, &b)) in first.iter().zip(second).enumerate() {
+            let lane = if index < whole { index % LANES } else { 0 };
+            sums[lane] += n_ln_n(std::mem::take(&mut joint[usize::from(a)][usize::from(b)]));
+        }
+        let marginal = |counts: [u32; 256]| counts.into_iter().map(n_ln_n).sum::<f64>();
+        let sum: f64 = sums.iter().sum();
+        let total = first.len() as f64;
+        ((sum - marginal(rows) - marginal(columns)) / total + total.ln()).max(0.0)
     }
 
     #[test]
@@ -159,7 +219,7 @@ mod tests {
         assert!((information(&image, &image) - 128.0_f64.ln()).abs() < 1e-12);
         assert_eq!(information(&image, &[7; 128]), 0.0);
         assert_eq!(
-            MutualInformation::new(127, 0).information(&[], 0.0, &[], 0.0),
+            MutualInformation::new(127, 0).information(&[], &[], 0.0),
             0.0
         );
     }
@@ -193,12 +253,18 @@ mod tests {
         }
 
         #[test]
+        fn additions_keep_their_order(pairs in prop::collection::vec((0_u8..=255, 0_u8..12), 1..900), few in 1_u8..=255) {
+            let (first, second): (Vec<u8>, Vec<u8>) = pairs.into_iter().map(|(a, b)| (a % few, b)).unzip();
+            prop_assert_eq!(information(&first, &second).to_bits(), by_two_walks(&first, &second).to_bits());
+        }
+
+        #[test]
         fn a_tool_is_clean_after_use(pairs in prop::collection::vec((0_u8..128, 0_u8..128), 50)) {
             let (first, second): (Vec<u8>, Vec<u8>) = pairs.into_iter().unzip();
             let mut tool = MutualInformation::new(127, 50);
-            let (a, b) = (tool.marginal(&first), tool.marginal(&second));
-            let once = tool.information(&first, a, &second, b);
-            prop_assert_eq!(once, tool.information(&first, a, &second, b));
+            let second_sum = tool.marginal(&second);
+            let once = tool.information(&first, &second, second_sum);
+            prop_assert_eq!(once, tool.information(&first, &second, second_sum));
         }
     }
 }

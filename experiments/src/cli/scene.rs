@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Subcommand;
 use fdtd::scene::Scene;
 
 use super::print_json;
+use crate::figures::field;
 use crate::figures::scene::draw;
 
 /// Arguments of `scene`.
@@ -27,14 +28,23 @@ enum Command {
         /// The scene file.
         file: PathBuf,
     },
-    /// Draw walls, drive paths and absorbing layer.
-    #[command(after_help = "Example:\n  echolot scene draw scenes/quick.json -o quick.png")]
+    /// Draw walls, drive paths and absorbing layer, or the sound of a click among the walls.
+    #[command(
+        after_help = "Example:\n  echolot scene draw scenes/quick.json -o quick.png\n  \
+        echolot scene draw scenes/four_walls.json --click localization --after 0.008 -o field.png"
+    )]
     Draw {
         /// The scene file.
         file: PathBuf,
         /// The picture (PNG).
         #[arg(short, long, value_name = "PNG")]
         output: PathBuf,
+        /// Draw the sound field after a click at the start of this drive path instead.
+        #[arg(long, value_name = "NAME", requires = "after")]
+        click: Option<String>,
+        /// Time since the click, seconds.
+        #[arg(long, value_name = "SECONDS", requires = "click")]
+        after: Option<f64>,
     },
     /// Print the JSON schema of scene files.
     #[command(after_help = "Example:\n  echolot scene schema > scenes/scene.schema.json")]
@@ -46,8 +56,20 @@ impl Arguments {
     pub(crate) fn run(self, json: bool) -> Result<()> {
         match self.command {
             Command::Check { file } => check(&Scene::load(&file)?, json),
-            Command::Draw { file, output } => {
-                draw(&Scene::load(&file)?, &output)?;
+            Command::Draw {
+                file,
+                output,
+                click,
+                after,
+            } => {
+                let scene = Scene::load(&file)?;
+                match click.zip(after) {
+                    Some((_, after_s)) if !(after_s > 0.0 && after_s <= 1.0) => {
+                        bail!("--after: {after_s} is out of range; give more than 0 to 1 s")
+                    }
+                    Some((path, after_s)) => field::draw(&scene, &path, after_s, &output)?,
+                    None => draw(&scene, &output)?,
+                }
                 eprintln!("wrote {}", output.display());
                 Ok(())
             }

@@ -4,9 +4,11 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Result, bail};
+use fdtd::medium::{Air, STANDARD_PRESSURE_PA};
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
+use fdtd::walls::WallModel;
 use localizer::recording::wav;
 
 use super::{named, print_json};
@@ -43,12 +45,25 @@ pub(crate) struct Arguments {
     /// Spreading of source and receiver, bilinear, kaiser8 or kaiser12; the scene's unless given.
     #[arg(long, value_parser = named::<Spread>)]
     spread: Option<Spread>,
+    /// How walls become cells of the field, staircase or cut-cells; the scene's way unless given.
+    #[arg(long, value_name = "MODEL", value_parser = wall_model)]
+    walls: Option<WallModel>,
     /// What computes the sound: the field, or image sources (approximate, seconds).
     #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
     engine: Engine,
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
+    /// Let the air absorb sound (ISO 9613-1), each echo by its own way. The drive is simulated a second time with its sound stamped by the time
+    /// of sending, which tells the ways. Needs a scene whose medium is given by temperature and humidity, or --temperature and --humidity.
+    #[arg(long)]
+    absorption: bool,
+    /// Temperature for --absorption, degC, where the scene's medium is plain numbers.
+    #[arg(long, value_name = "DEG_C", requires_all = ["absorption", "humidity"], allow_hyphen_values = true)]
+    temperature: Option<f64>,
+    /// Relative humidity for --absorption, percent.
+    #[arg(long, value_name = "PERCENT", requires_all = ["absorption", "temperature"])]
+    humidity: Option<f64>,
     /// Go on from the checkpoint of an interrupted simulation.
     #[arg(long)]
     resume: bool,
@@ -67,6 +82,11 @@ pub(crate) struct Arguments {
     robot: Option<PathBuf>,
 }
 
+/// A wall model by its name in scene files, or with a dash as names on the command line have.
+fn wall_model(text: &str) -> Result<WallModel, String> {
+    named(&text.replace('-', "_"))
+}
+
 impl Arguments {
     /// The take that was asked for.
     fn take(&self) -> Result<Take> {
@@ -79,10 +99,35 @@ impl Arguments {
         Ok(Take {
             scheme: self.scheme,
             spread: self.spread,
+            wall_model: self.walls,
             free_field: self.free_field,
             odometry_bias_radps: self.odometry_bias,
             ..Take::of(&self.path, self.engine)
         })
+    }
+
+    /// The air that absorbs, if it shall.
+    fn air(&self, scene: &Scene) -> Result<Option<Air>> {
+        let file = self.scene.display();
+        match (self.temperature.zip(self.humidity), scene.air) {
+            _ if !self.absorption => Ok(None),
+            (Some(_), Some(_)) => bail!(
+                "--temperature: {file} has a temperature and a humidity of its own; leave out --temperature and --humidity"
+            ),
+            (None, None) => bail!(
+                "--absorption: the medium of {file} has no temperature and humidity; give --temperature and --humidity, or both in the scene"
+            ),
+            (None, air) => Ok(air),
+            (Some((temperature_degc, relative_humidity_percent)), None) => {
+                let air = Air {
+                    temperature_degc,
+                    relative_humidity_percent,
+                    pressure_pa: STANDARD_PRESSURE_PA,
+                };
+                air.check("--temperature, --humidity", "")?;
+                Ok(Some(air))
+            }
+        }
     }
 
     /// The pictures that were asked for.
@@ -129,10 +174,12 @@ impl Arguments {
         // Another scheme may have another stability limit or reach.
         scene.scheme = self.scheme.unwrap_or(scene.scheme);
         scene.spread = self.spread.unwrap_or(scene.spread);
+        scene.wall_model = self.walls.unwrap_or(scene.wall_model);
         scene.check(&self.scene.display().to_string())?;
         let take = self.take()?;
         self.check_output()?;
         let pictures = self.pictures()?;
+        let air = self.air(&scene)?;
         let path = scene.path(&take.path)?;
         let robot = self.robot.as_deref().map(Robot::read).transpose()?;
         let board = Board::new();
@@ -160,20 +207,34 @@ impl Arguments {
                 pictures,
                 &task,
             )
-            .map(|signal| (signal, checkpoint.path))
         };
-        let (signal, checkpoint) = record(&take, ".checkpoint", pictures.as_ref())?;
-        let mut leftovers = vec![checkpoint];
+        let mut leftovers = Vec::new();
+        // One drive, with the air's absorption where that is asked for.
+        let mut hear =
+            |take: &Take, name: &str, pictures: Option<&Snapshots>| -> Result<Vec<f32>> {
+                let ending = format!("{name}.checkpoint");
+                let plain = record(take, &ending, pictures)?;
+                leftovers.push(self.beside(&ending));
+                let Some(air) = &air else {
+                    return Ok(plain);
+                };
+                let ending = format!("{name}.stamped.checkpoint");
+                let stamped = record(&take.stamped(), &ending, None)?;
+                leftovers.push(self.beside(&ending));
+                simulate::absorbed(&scene, take, &plain, &stamped, air)
+            };
+        let signal = hear(&take, "", pictures.as_ref())?;
         let direct = if self.with_direct {
-            let (direct, checkpoint) = record(&take.in_free_field(), ".direct.checkpoint", None)?;
-            leftovers.push(checkpoint);
-            Some(direct)
+            Some(hear(&take.in_free_field(), ".direct", None)?)
         } else {
             None
         };
         let seconds = started.elapsed().as_secs_f64();
         let mut recording = simulate::recording(&scene, &take, signal, seconds)?;
         recording.direct = direct;
+        if let Some(air) = &air {
+            simulate::tell_air(&mut recording, air);
+        }
         if let Some(robot) = &robot {
             robot.apply(&mut recording, path, &take.path);
         }

@@ -19,7 +19,7 @@ pub(crate) struct Arguments {
     /// All cases of every law instead of a few.
     #[arg(long)]
     full: bool,
-    /// Only draw the figure from data that is there.
+    /// Only draw the figures from data that is there.
     #[arg(long, conflicts_with = "full")]
     figures_only: bool,
     /// Folder of the results.
@@ -32,11 +32,13 @@ impl Arguments {
     pub(crate) fn run(self, json: bool) -> Result<()> {
         let folder = self.results.join("validation");
         if self.figures_only {
-            let picture = validate::draw(&folder)?;
+            let pictures = validate::draw(&folder)?;
             if json {
-                return print_json(&[picture]);
+                return print_json(&pictures);
             }
-            println!("{}", picture.display());
+            for picture in pictures {
+                println!("{}", picture.display());
+            }
             return Ok(());
         }
         let depth = if self.full { Depth::Full } else { Depth::Quick };

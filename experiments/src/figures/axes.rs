@@ -225,6 +225,21 @@ impl<'a> Axes<'a> {
         spans: [[f64; 2]; 2],
         scale: [f64; 2],
     ) -> Result<()> {
+        self.shaded(image, spans, &|value| {
+            colour::ramp((value - scale[0]) / (scale[1] - scale[0]))
+        })
+    }
+
+    /// Draws an image as [`Axes::image`] does, with any colours.
+    ///
+    /// # Errors
+    /// When the canvas refuses.
+    pub fn shaded(
+        &self,
+        image: ArrayView2<'_, f32>,
+        spans: [[f64; 2]; 2],
+        shade: &dyn Fn(f64) -> RGBColor,
+    ) -> Result<()> {
         let (rows, columns) = image.dim();
         let [[x0, x1], [y0, y1]] = spans;
         let [left, top, right, bottom] = self.frame;
@@ -237,10 +252,9 @@ impl<'a> Axes<'a> {
                 let iy = (y - y0) / (y1 - y0) * rows as f64;
                 if ix >= 0.0 && iy >= 0.0 && ix < columns as f64 && iy < rows as f64 {
                     let value = f64::from(image[[iy as usize, ix as usize]]);
-                    let shade = colour::ramp((value - scale[0]) / (scale[1] - scale[0]));
                     let (px, py) = (f64::from(px), f64::from(py));
                     self.canvas
-                        .rectangle([px, py, px + 1.0, py + 1.0], shade, 1.0);
+                        .rectangle([px, py, px + 1.0, py + 1.0], shade(value), 1.0);
                 }
             }
         }

@@ -6,9 +6,11 @@ pub mod axis;
 pub mod canvas;
 pub mod colour;
 pub(crate) mod dispersion;
+pub(crate) mod field;
 pub mod layout;
 pub mod legend;
 pub mod scene;
+pub(crate) mod scene_echoes;
 pub mod snapshot;
 
 mod angular_resolution;

@@ -71,6 +71,10 @@ fn what_sounds_counts() {
             ..take.clone()
         },
         Take {
+            wall_model: Some(fdtd::walls::WallModel::Staircase),
+            ..take.clone()
+        },
+        Take {
             odometry_bias_radps: 0.0,
             ..take.clone()
         },

@@ -56,6 +56,30 @@ fn bad_input_is_one_line_that_names_file_and_field() {
         complaint.contains("drive") && complaint.contains("localization"),
         "{complaint}"
     );
+    let simulate = [
+        "simulate",
+        "room.json",
+        "--path",
+        "short",
+        "-o",
+        "recording",
+    ];
+    for (more, words) in [
+        (
+            vec!["--absorption"],
+            ["room.json", "--temperature and --humidity"],
+        ),
+        (
+            vec!["--absorption", "--temperature", "90", "--humidity", "50"],
+            ["temperature_degc: 90", "30"],
+        ),
+    ] {
+        let complaint = refuse(at, &[&simulate[..], &more].concat());
+        assert!(
+            words.iter().all(|word| complaint.contains(word)),
+            "{complaint}"
+        );
+    }
     let complaint = refuse(at, &["map", "nothing", "-o", "map"]);
     assert!(complaint.contains("nothing"), "{complaint}");
     let complaint = refuse(at, &["localize", "nothing", "--map", "map", "-o", "e.tum"]);
@@ -244,4 +268,35 @@ fn bench_writes_its_data_and_draws_the_roofline_from_it() {
     assert_eq!(steps[0]["directions"], 30);
     assert_eq!(steps[1]["particles"], 100);
     assert!(at.join("results/bench/roofline.png").exists());
+}
+
+#[test]
+fn absorption_takes_from_the_echoes_and_tells_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    scene_file(at);
+    let simulate = |output: &str, more: &[&str]| {
+        let fixed = [
+            "simulate",
+            "room.json",
+            "--path",
+            "short",
+            "--engine",
+            "image-source",
+            "-o",
+            output,
+        ];
+        expect(at, &[&fixed[..], more].concat());
+        let recording = localizer::recording::Recording::read(&at.join(output)).unwrap();
+        let energy: f64 = recording.signal.iter().map(|p| f64::from(*p).powi(2)).sum();
+        (energy, recording.meta.provenance["absorption"].clone())
+    };
+    let (without, untold) = simulate("plain", &[]);
+    let more = ["--absorption", "--temperature", "20", "--humidity", "50"];
+    let (with, told) = simulate("absorbed", &more);
+    assert!(untold.is_null());
+    assert_eq!(told["temperature_degc"], 20.0);
+    // Two metres and more at 10 kHz take 0.3 dB and more, a room of 2.5 m not more than 3 dB.
+    let loss_db = 10.0 * (without / with).log10();
+    assert!((0.2..3.0).contains(&loss_db), "{loss_db}");
 }

@@ -2,7 +2,7 @@
 //!
 //! One step at every cell, in this order of operations (all of them fused multiply-adds, so that both engines, any
 //! thread count and any instruction set give the same bytes):
-//! 1. the plain stencil of the scheme, 2. the layer along y, 3. the layers along x, 4. the corrections next to walls,
+//! 1. the plain stencil of the scheme, 2. the layer along y, 3. the layers along x, 4. the corrections and surfaces at walls,
 //! 5. zero in solid cells, 6. the source's injections, 7. the receiver reads.
 //!
 //! [`ReferenceField`] does this row by row in plain order and is the oracle of [`FastField`], which advances several
@@ -20,7 +20,7 @@ use crate::grid::{Grid, Medium};
 use crate::pml::Profile;
 use crate::scheme::{Scheme, Weights};
 use crate::spread::Stencil;
-use crate::walls::SolidMask;
+use crate::walls::WallCells;
 use crate::walls::operator::WallOperator;
 
 /// Everything that stays the same from step to step.
@@ -43,21 +43,21 @@ pub struct FieldSetup {
 }
 
 impl FieldSetup {
-    /// Setup of `grid` in `medium` with `scheme`, a layer of `layer_cells` and the walls of `mask`.
+    /// Setup of `grid` in `medium` with `scheme`, a layer of `layer_cells` and these walls.
     ///
     /// # Panics
-    /// When the mask has another size than the grid, the step is unstable, or two layers would meet.
+    /// When the walls have another size than the grid, the step is unstable, or two layers would meet.
     pub fn new(
         grid: &Grid,
         medium: &Medium,
         scheme: Scheme,
         layer_cells: usize,
-        mask: &SolidMask,
+        walls: &WallCells,
     ) -> Self {
         assert_eq!(
-            (mask.nx, mask.ny),
-            (grid.nx, grid.ny),
-            "mask and grid differ in size"
+            walls.size(),
+            [grid.nx, grid.ny],
+            "walls and grid differ in size"
         );
         let width = layer_cells.next_multiple_of(8);
         assert!(
@@ -77,7 +77,11 @@ impl FieldSetup {
             weights,
             courant2: (courant * courant) as f32,
             layer: Profile::new(layer_cells, courant),
-            walls: WallOperator::new(mask, &weights, scheme.radius()),
+            walls: WallOperator::new(walls, &weights, scheme.radius()).with_surfaces(
+                walls,
+                &scheme.polynomial(courant),
+                medium.rho_kgpm3 * medium.c_mps,
+            ),
         }
     }
 }
@@ -111,6 +115,8 @@ pub struct FieldState {
     pub layer_x: Vec<f32>,
     /// Memory of the layers along y: `[row of layer, 3, ix]`, rows of the low side first.
     pub layer_y: Vec<f32>,
+    /// Velocity times `rho c` into each surface that is not rigid, half a step before `pressure`, in Pa.
+    pub surfaces: Vec<f32>,
 }
 
 /// A field that can be advanced.

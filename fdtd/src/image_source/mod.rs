@@ -40,6 +40,8 @@ pub struct ImageSourceOptions {
     pub include_direct: bool,
     /// Distance in metres on either side of a border of visibility over which an echo fades; more than 0.
     pub fade_m: f64,
+    /// Source strength times the time since the middle of the drive, which tells travel times ([`crate::medium::absorbed`]).
+    pub stamped: bool,
 }
 
 impl Default for ImageSourceOptions {
@@ -48,6 +50,7 @@ impl Default for ImageSourceOptions {
             max_order: 2,
             include_direct: false,
             fade_m: 0.05,
+            stamped: false,
         }
     }
 }
@@ -86,6 +89,7 @@ pub fn synthesize_pair(
         .collect();
 
     // A whole number of samples must not be lost to the last bit of a product.
+    let zero_s = options.stamped.then_some(0.5 * pair.duration_s);
     let samples = (pair.duration_s * sample_rate_hz + 1e-6).floor().max(0.0) as usize;
     let mut signal = vec![0.0_f32; samples];
     signal
@@ -94,7 +98,13 @@ pub fn synthesize_pair(
         .for_each(|(chunk, out)| {
             let mut sum = vec![0.0_f64; out.len()];
             for track in &tracks {
-                track.add_to(&mut sum, chunk * CHUNK_SAMPLES, sample_rate_hz, strength);
+                track.add_to(
+                    &mut sum,
+                    chunk * CHUNK_SAMPLES,
+                    sample_rate_hz,
+                    strength,
+                    zero_s,
+                );
             }
             for (sample, value) in out.iter_mut().zip(sum) {
                 *sample = value as f32;

@@ -74,13 +74,14 @@ impl EchoTrack {
         Some(Self { nodes })
     }
 
-    /// Adds the echo to samples that start with number `first` of the recording.
+    /// Adds the echo to samples that start with number `first` of the recording; with `stamp_zero_s` times the time of sending since then.
     pub(super) fn add_to(
         &self,
         sum: &mut [f64],
         first: usize,
         sample_rate_hz: f64,
         strength: &CylindricalWaveform,
+        stamp_zero_s: Option<f64>,
     ) {
         for (offset, value) in sum.iter_mut().enumerate() {
             let position = (first + offset) as f64 / sample_rate_hz / NODE_S;
@@ -103,7 +104,8 @@ impl EchoTrack {
             }
             let near_gain = before.near_gain + (after.near_gain - before.near_gain) * u;
             let [derivative, integral] = strength.at(sent_s);
-            *value += onset(sent_s) * (gain * derivative + near_gain * integral);
+            let stamp = stamp_zero_s.map_or(1.0, |zero_s| sent_s - zero_s);
+            *value += stamp * onset(sent_s) * (gain * derivative + near_gain * integral);
         }
     }
 }

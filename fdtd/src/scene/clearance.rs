@@ -3,7 +3,7 @@
 use super::Scene;
 use crate::error::Error;
 use crate::motion::DrivePath;
-use crate::walls::{SolidMask, cell_centre_m, rasterize};
+use crate::walls::{Wall, WallCells, cell_centre_m};
 
 /// Fastest drive as a part of the speed of sound.
 const MAX_MACH: f64 = 0.5;
@@ -13,7 +13,7 @@ pub(super) fn check(scene: &Scene, origin: &str) -> Result<(), Error> {
     if scene.paths.is_empty() {
         return Ok(());
     }
-    let mask = rasterize(&scene.grid, &scene.walls);
+    let cells = scene.wall_model.cells(&scene.grid, &scene.walls);
     let transducers = [
         ("loudspeaker", scene.robot.loudspeaker_offset_m),
         ("microphone", scene.robot.microphone_offset_m),
@@ -32,7 +32,7 @@ pub(super) fn check(scene: &Scene, origin: &str) -> Result<(), Error> {
             return Err(Error::invalid(origin, field, problem, remedy));
         }
         for (transducer, offset_m) in transducers {
-            follow(scene, &mask, path, offset_m).map_err(|(t_s, problem, remedy)| {
+            follow(scene, &cells, path, offset_m).map_err(|(t_s, problem, remedy)| {
                 let place = path
                     .point_at(t_s, offset_m)
                     .map(|coordinate_m| (coordinate_m * 1e4).round() / 1e4);
@@ -47,7 +47,7 @@ pub(super) fn check(scene: &Scene, origin: &str) -> Result<(), Error> {
 /// The first time at which a transducer is too near something, what it is too near, and what to do.
 fn follow(
     scene: &Scene,
-    mask: &SolidMask,
+    cells: &WallCells,
     path: &DrivePath,
     offset_m: [f64; 2],
 ) -> Result<(), (f64, String, String)> {
@@ -77,13 +77,22 @@ fn follow(
                 format!("keep it {margin_m:.4} m from the domain's edge"),
             ));
         }
-        if let Some((ix, iy)) = first_solid(
-            mask,
+        if let Some((ix, iy)) = first_touched(
+            cells,
             first.map(|cell| cell as usize),
             end.map(|cell| cell as usize),
         ) {
             let centre_m = cell_centre_m(grid, ix, iy);
-            let wall = scene.walls.iter().position(|wall| wall.contains(centre_m));
+            // The wall that takes a part of a cell need not reach to its middle.
+            let wall = [0.0, 2.0].iter().find_map(|cells| {
+                scene.walls.iter().position(|wall| {
+                    let thicker = Wall {
+                        thickness_m: wall.thickness_m + cells * grid.dx_m,
+                        ..wall.clone()
+                    };
+                    thicker.contains(centre_m)
+                })
+            });
             let problem = format!(
                 "is in walls[{}] or within {reach} cells of it, the reach of {} and {}",
                 wall.unwrap_or_default(),
@@ -98,14 +107,14 @@ fn follow(
     Ok(())
 }
 
-/// The first solid cell with `x0 <= ix < x1` and `y0 <= iy < y1`, row by row.
-fn first_solid(
-    mask: &SolidMask,
+/// The first cell of which a wall takes something with `x0 <= ix < x1` and `y0 <= iy < y1`, row by row.
+fn first_touched(
+    cells: &WallCells,
     [x0, y0]: [usize; 2],
     [x1, y1]: [usize; 2],
 ) -> Option<(usize, usize)> {
-    (y0..y1).find_map(|iy| {
-        let row = &mask.cells[iy * mask.nx + x0..iy * mask.nx + x1];
-        row.iter().position(|&solid| solid).map(|ix| (x0 + ix, iy))
-    })
+    let row = |iy| (x0..x1).map(move |ix| (ix, iy));
+    (y0..y1)
+        .flat_map(row)
+        .find(|&(ix, iy)| cells.is_touched(ix, iy))
 }

@@ -4,10 +4,11 @@ use super::locate::describe;
 use super::{Robot, Scene, WaveformSpec};
 use crate::error::Error;
 use crate::grid::{Grid, Medium};
+use crate::medium::{Air, STANDARD_PRESSURE_PA};
 use crate::motion::{DriveLimits, DrivePath, Leg, MotionState, relocate};
 use crate::scheme::Scheme;
 use crate::spread::Spread;
-use crate::walls::Wall;
+use crate::walls::{Wall, WallModel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -28,7 +29,7 @@ pub(super) struct SceneFile {
     #[serde(default)]
     description: String,
     /// The air.
-    #[serde(default)]
+    #[serde(default = "default_medium")]
     medium: MediumFile,
     /// Size and step of the grid.
     grid: GridFile,
@@ -44,6 +45,9 @@ pub(super) struct SceneFile {
     /// Rigid walls.
     #[serde(default)]
     walls: Vec<WallFile>,
+    /// How the walls become cells of the grid.
+    #[serde(default)]
+    wall_model: WallModel,
     /// What the loudspeaker repeats.
     #[serde(default)]
     waveform: WaveformSpec,
@@ -58,25 +62,39 @@ pub(super) struct SceneFile {
     paths: BTreeMap<String, PathFile>,
 }
 
-/// A homogeneous fluid at rest.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+/// The air at rest, by its numbers (`c_mps` and `rho_kgpm3`) or by its weather (`temperature_degc` and `relative_humidity_percent`, with
+/// `pressure_pa` if it is not the standard atmosphere's), not both.
+#[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 #[schemars(rename = "Medium")]
 struct MediumFile {
     /// Speed of sound in m/s.
-    c_mps: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("default" = DEFAULT_MEDIUM.c_mps))]
+    c_mps: Option<f64>,
     /// Density in kg/m^3.
-    rho_kgpm3: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("default" = DEFAULT_MEDIUM.rho_kgpm3))]
+    rho_kgpm3: Option<f64>,
+    /// Temperature in degC, 0 to 30.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    temperature_degc: Option<f64>,
+    /// Relative humidity in percent, 0 to 100.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    relative_humidity_percent: Option<f64>,
+    /// Pressure in pascals, 60000 to 110000 (default 101325); only with temperature and humidity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pressure_pa: Option<f64>,
 }
 
-impl Default for MediumFile {
-    fn default() -> Self {
-        Self {
-            c_mps: 340.0,
-            rho_kgpm3: 1.293,
-        }
-    }
-}
+/// The medium of a scene that says nothing about it.
+const DEFAULT_MEDIUM: Medium = Medium {
+    c_mps: 340.0,
+    rho_kgpm3: 1.293,
+};
 
 /// Size and step of the grid; the domain is `[0, nx dx] x [0, ny dx]` and includes the absorbing layer.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
@@ -93,7 +111,7 @@ struct GridFile {
     dt_s: f64,
 }
 
-/// A rigid wall along a polyline.
+/// A wall along a polyline, rigid unless it has an impedance or absorbs.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Wall")]
@@ -103,6 +121,12 @@ struct WallFile {
     /// Thickness in metres.
     #[serde(default = "default_thickness_m")]
     thickness_m: f64,
+    /// Impedance of the surface in Pa s/m, above 0; rigid when neither this nor `absorption` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    impedance_pasm: Option<f64>,
+    /// Part of the energy that the surface absorbs at normal incidence, 0 to 1, instead of `impedance_pasm`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    absorption: Option<f64>,
 }
 
 /// A drive: either `start` and `legs`, or `file`.
@@ -159,6 +183,14 @@ struct LegFile {
     omega_radps: f64,
 }
 
+fn default_medium() -> MediumFile {
+    MediumFile {
+        c_mps: Some(DEFAULT_MEDIUM.c_mps),
+        rho_kgpm3: Some(DEFAULT_MEDIUM.rho_kgpm3),
+        ..MediumFile::default()
+    }
+}
+
 fn default_layer_cells() -> usize {
     20
 }
@@ -194,17 +226,26 @@ impl SceneFile {
             let path = path.into_path(&name, origin)?;
             paths.insert(name, path);
         }
-        let walls = self.walls.into_iter().map(|wall| Wall {
-            points_m: wall.points_m,
-            thickness_m: wall.thickness_m,
-        });
+        let (medium, air) = self.medium.resolve(&origin.display().to_string())?;
+        let characteristic_pasm = medium.rho_kgpm3 * medium.c_mps;
+        let mut walls = Vec::new();
+        for (index, wall) in self.walls.into_iter().enumerate() {
+            walls.push(Wall {
+                impedance_pasm: wall.impedance_pasm(characteristic_pasm).map_err(
+                    |[field, problem, remedy]| {
+                        let field = format!("walls[{index}].{field}");
+                        Error::invalid(origin.display(), field, problem, remedy)
+                    },
+                )?,
+                points_m: wall.points_m,
+                thickness_m: wall.thickness_m,
+            });
+        }
         Ok(Scene {
             name: self.name,
             description: self.description,
-            medium: Medium {
-                c_mps: self.medium.c_mps,
-                rho_kgpm3: self.medium.rho_kgpm3,
-            },
+            medium,
+            air,
             grid: Grid {
                 nx: self.grid.nx,
                 ny: self.grid.ny,
@@ -214,12 +255,89 @@ impl SceneFile {
             layer_cells: self.layer_cells,
             scheme: self.scheme,
             spread: self.spread,
-            walls: walls.collect(),
+            walls,
+            wall_model: self.wall_model,
             waveform: self.waveform,
             sample_rate_hz: self.sample_rate_hz,
             robot: self.robot,
             paths,
         })
+    }
+}
+
+impl MediumFile {
+    /// The medium, and the air behind it where it is given by its weather.
+    fn resolve(self, origin: &str) -> Result<(Medium, Option<Air>), Error> {
+        let refuse = |problem: &str| {
+            let remedy = "give `temperature_degc` and `relative_humidity_percent` (and `pressure_pa`), or `c_mps` and `rho_kgpm3`";
+            Err(Error::invalid(origin, "medium", problem, remedy))
+        };
+        let plain = self.c_mps.is_some() || self.rho_kgpm3.is_some();
+        match (self.temperature_degc, self.relative_humidity_percent) {
+            (None, None) if self.pressure_pa.is_some() => {
+                refuse("`pressure_pa` needs temperature and humidity")
+            }
+            (None, None) => Ok((
+                Medium {
+                    c_mps: self.c_mps.unwrap_or(DEFAULT_MEDIUM.c_mps),
+                    rho_kgpm3: self.rho_kgpm3.unwrap_or(DEFAULT_MEDIUM.rho_kgpm3),
+                },
+                None,
+            )),
+            _ if plain => {
+                refuse("speed of sound or density stands beside the weather they follow from")
+            }
+            (Some(_), None) => refuse("`relative_humidity_percent` is missing"),
+            (None, Some(_)) => refuse("`temperature_degc` is missing"),
+            (Some(temperature_degc), Some(relative_humidity_percent)) => {
+                let air = Air {
+                    temperature_degc,
+                    relative_humidity_percent,
+                    pressure_pa: self.pressure_pa.unwrap_or(STANDARD_PRESSURE_PA),
+                };
+                air.check(origin, "medium.")?;
+                Ok((air.medium(), Some(air)))
+            }
+        }
+    }
+}
+
+impl WallFile {
+    /// The surface's impedance in Pa s/m, `None` when it is rigid; or field, problem and remedy.
+    fn impedance_pasm(&self, characteristic_pasm: f64) -> Result<Option<f64>, [String; 3]> {
+        let refuse = |field: &str, problem: String, remedy: &str| {
+            Err([field.to_string(), problem, remedy.to_string()])
+        };
+        match (self.impedance_pasm, self.absorption) {
+            (None, None) => Ok(None),
+            (Some(_), Some(_)) => refuse(
+                "absorption",
+                "is given beside impedance_pasm".to_string(),
+                "give one of them",
+            ),
+            // Written so that NaN is refused.
+            (Some(impedance_pasm), None) => {
+                if impedance_pasm > 0.0 && impedance_pasm.is_finite() {
+                    return Ok(Some(impedance_pasm));
+                }
+                let problem = format!("{impedance_pasm} Pa s/m is no impedance of a passive wall");
+                refuse(
+                    "impedance_pasm",
+                    problem,
+                    "give a number above 0, or none for a rigid wall",
+                )
+            }
+            (None, Some(absorption)) => {
+                if !(0.0..=1.0).contains(&absorption) {
+                    let problem = format!("{absorption} is no part of the energy");
+                    return refuse("absorption", problem, "give a number from 0 to 1");
+                }
+                // Harder than air: the reflection factor is positive.
+                let factor = (1.0 - absorption).sqrt();
+                let impedance_pasm = characteristic_pasm * (1.0 + factor) / (1.0 - factor);
+                Ok(impedance_pasm.is_finite().then_some(impedance_pasm))
+            }
+        }
     }
 }
 

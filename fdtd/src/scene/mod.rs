@@ -7,10 +7,11 @@ mod locate;
 
 use crate::error::Error;
 use crate::grid::{Grid, Medium};
+use crate::medium::Air;
 use crate::motion::DrivePath;
 use crate::scheme::Scheme;
 use crate::spread::Spread;
-use crate::walls::Wall;
+use crate::walls::{Wall, WallModel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -32,8 +33,10 @@ pub struct Scene {
     pub name: String,
     /// What the scene shows, in a sentence or two.
     pub description: String,
-    /// The air.
+    /// The medium of the field.
     pub medium: Medium,
+    /// The air that `medium` follows from, where the scene gives its weather; the absorption needs it.
+    pub air: Option<Air>,
     /// Size and step of the grid.
     pub grid: Grid,
     /// Width of the absorbing layer on each of the four sides, in cells.
@@ -44,6 +47,8 @@ pub struct Scene {
     pub spread: Spread,
     /// Rigid walls.
     pub walls: Vec<Wall>,
+    /// How the walls become cells of the grid.
+    pub wall_model: WallModel,
     /// What the loudspeaker repeats.
     pub waveform: WaveformSpec,
     /// Sampling rate of the microphone signal in hertz.

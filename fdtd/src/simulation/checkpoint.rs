@@ -1,7 +1,8 @@
 //! Checkpoints: the state of a run on disk.
 //!
-//! A line of text that says what run it is, then the lengths of five arrays as little-endian `u64`, then the arrays as
-//! little-endian `f32`: received signal, pressure, previous pressure, layer memory along x and y; then a digest of all.
+//! A line of text that says what run it is, then the lengths of six arrays as little-endian `u64`, then the arrays as
+//! little-endian `f32`: received signal, pressure, previous pressure, layer memory along x and y,
+//! velocities into walls that are not rigid; then a digest of all.
 
 use std::io::Write;
 use std::path::Path;
@@ -9,7 +10,7 @@ use std::path::Path;
 use crate::Error;
 use crate::field::FieldState;
 
-const MAGIC: &str = "fdtd checkpoint 1";
+const MAGIC: &str = "fdtd checkpoint 2";
 
 /// FNV-1a over whole numbers: enough to tell inputs apart and to notice a damaged file.
 pub(super) fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
@@ -37,6 +38,7 @@ pub(super) fn save(
             &state.previous,
             &state.layer_x,
             &state.layer_y,
+            &state.surfaces,
         ];
         for array in arrays {
             out.write_all(&(array.len() as u64).to_le_bytes())?;
@@ -91,11 +93,11 @@ pub(super) fn load(file: &Path, fingerprint: &str) -> Result<(Vec<f32>, FieldSta
         *from = tail;
         Ok(u64::from_le_bytes(*head))
     };
-    let mut lengths = [0usize; 5];
+    let mut lengths = [0usize; 6];
     for length in &mut lengths {
         *length = word(&mut rest)? as usize;
     }
-    let mut arrays: [Vec<f32>; 5] = Default::default();
+    let mut arrays: [Vec<f32>; 6] = Default::default();
     for (array, length) in arrays.iter_mut().zip(lengths) {
         let size = length
             .checked_mul(4)
@@ -114,7 +116,7 @@ pub(super) fn load(file: &Path, fingerprint: &str) -> Result<(Vec<f32>, FieldSta
     if content_digest(&arrays.each_ref().map(Vec::as_slice)) != expected {
         return Err(wrong("is damaged"));
     }
-    let [received, pressure, previous, layer_x, layer_y] = arrays;
+    let [received, pressure, previous, layer_x, layer_y, surfaces] = arrays;
     Ok((
         received,
         FieldState {
@@ -122,6 +124,7 @@ pub(super) fn load(file: &Path, fingerprint: &str) -> Result<(Vec<f32>, FieldSta
             previous,
             layer_x,
             layer_y,
+            surfaces,
         },
     ))
 }

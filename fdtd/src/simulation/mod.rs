@@ -14,7 +14,7 @@ use crate::grid::{Grid, Medium};
 use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::spread::Spread;
-use crate::walls::{SolidMask, rasterize};
+use crate::walls::{Opening, WallCells, WallModel};
 use crate::waveform::PeriodicWaveform;
 
 /// Steps between two calls of the observer.
@@ -30,10 +30,14 @@ pub struct SimulationOptions {
     pub scheme: Option<Scheme>,
     /// Spreading kernel instead of the scene's.
     pub spread: Option<Spread>,
+    /// How walls become cells, instead of the scene's way.
+    pub wall_model: Option<WallModel>,
     /// Threads; 0 for all cores.
     pub threads: usize,
     /// Without walls, in a domain cropped to the drive and its absorbing layer.
     pub free_field: bool,
+    /// Source strength times the time since the middle of the drive, which tells travel times ([`crate::medium::absorbed`]).
+    pub stamped: bool,
     /// Use the plain engine, the oracle of the fast one.
     pub reference_engine: bool,
 }
@@ -52,7 +56,7 @@ pub struct Domain {
     /// Width of the absorbing layers in cells.
     pub layer_cells: usize,
     /// Rigid walls.
-    pub mask: SolidMask,
+    pub walls: WallCells,
 }
 
 /// How far a run is.
@@ -115,7 +119,10 @@ impl Simulation {
             scheme: options.scheme.unwrap_or(scene.scheme),
             spread: options.spread.unwrap_or(scene.spread),
             layer_cells: scene.layer_cells,
-            mask: rasterize(&scene.grid, &scene.walls),
+            walls: options
+                .wall_model
+                .unwrap_or(scene.wall_model)
+                .cells(&scene.grid, &scene.walls),
         };
         let courant = domain.grid.courant(&domain.medium);
         if courant > domain.scheme.max_courant() {
@@ -142,11 +149,15 @@ impl Simulation {
         }
         let shift = move |p: [f64; 2]| [p[0] - origin_m[0], p[1] - origin_m[1]];
         let (path_a, path_b, waveform) = (path.clone(), path, waveform.clone());
+        let (stamped, middle_s) = (options.stamped, 0.5 * duration_s);
         let drive = Drive::new(
             &domain,
             Box::new(move |t| shift(path_a.point_at(t, robot.loudspeaker_offset_m))),
             Box::new(move |t| shift(path_b.point_at(t, robot.microphone_offset_m))),
-            Box::new(move |t| SOURCE_STRENGTH_M2PS * waveform.value(t)),
+            Box::new(move |t| {
+                let stamp = if stamped { t - middle_s } else { 1.0 };
+                stamp * SOURCE_STRENGTH_M2PS * waveform.value(t)
+            }),
             robot.loudspeaker_offset_m == robot.microphone_offset_m,
         );
         Self::from_parts(
@@ -180,7 +191,7 @@ impl Simulation {
             &domain.medium,
             domain.scheme,
             domain.layer_cells,
-            &domain.mask,
+            &domain.walls,
         );
         let threads = match options.threads {
             0 => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
@@ -340,15 +351,25 @@ impl Simulation {
             scheme,
             spread,
             layer_cells,
-            mask,
+            walls,
         } = &self.domain;
-        let solid = mask
+        let solid = walls
+            .solid()
             .cells
             .iter()
             .enumerate()
             .filter(|(_, solid)| **solid)
             .map(|(cell, _)| cell as u64);
-        let walls = checkpoint::digest(solid);
+        let parts = walls.partial().flat_map(|(cell, opening)| {
+            let Opening { area, west, south } = *opening;
+            [cell as u64]
+                .into_iter()
+                .chain([area, west, south].map(f64::to_bits))
+        });
+        let surfaces = walls
+            .loads()
+            .flat_map(|(cell, load)| [cell as u64, load.impedance_pasm.to_bits()]);
+        let walls = checkpoint::digest(solid.chain(parts).chain(surfaces));
         let drive = checkpoint::digest((0..=64).flat_map(|k| {
             self.drive
                 .sample(k as f64 / 64.0 * self.steps_total as f64 * grid.dt_s)
@@ -385,10 +406,6 @@ fn crop(domain: &mut Domain, duration_s: f64, points: &dyn Fn(f64) -> [[f64; 2];
     // Whole vectors make full use of the engine.
     domain.grid.nx = (end[0] - first[0]).next_multiple_of(8);
     domain.grid.ny = end[1] - first[1];
-    domain.mask = SolidMask {
-        nx: domain.grid.nx,
-        ny: domain.grid.ny,
-        cells: vec![false; domain.grid.cells()],
-    };
+    domain.walls = WallCells::open(domain.grid.nx, domain.grid.ny);
     first.map(|cells| cells as f64 * grid.dx_m)
 }

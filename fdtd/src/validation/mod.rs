@@ -3,13 +3,18 @@
 //! Each file measures one kind of law and says layout, formula, known bias and tolerance at its top. A measurement is a number with the
 //! range that it may have.
 
+pub mod corner;
 pub mod direct_method;
 pub mod dispersion;
 pub mod echo;
 pub mod free_field;
+pub mod half_plane;
+pub mod impedance;
 pub mod layer;
 pub mod rig;
 pub mod room;
+pub mod scene_echoes;
+pub mod tilted;
 
 use serde::Serialize;
 
@@ -90,7 +95,7 @@ pub struct Law {
 }
 
 /// All laws, in the table's order.
-pub const LAWS: [Law; 10] = [
+pub const LAWS: [Law; 15] = [
     Law {
         name: "line source in free field, at rest and moving",
         measure: free_field::measure,
@@ -104,8 +109,28 @@ pub const LAWS: [Law; 10] = [
         measure: echo::measure_image,
     },
     Law {
+        name: "echo and scatter of a tilted wall",
+        measure: tilted::measure,
+    },
+    Law {
+        name: "reflection of an impedance",
+        measure: impedance::measure,
+    },
+    Law {
         name: "two parallel walls: time scale 1",
         measure: echo::measure_parallel,
+    },
+    Law {
+        name: "right-angled corner: image sources",
+        measure: corner::measure,
+    },
+    Law {
+        name: "edge of a half plane: Sommerfeld",
+        measure: half_plane::measure,
+    },
+    Law {
+        name: "echoes of the scene: image sources",
+        measure: scene_echoes::measure,
     },
     Law {
         name: "absorbing layer",

@@ -7,7 +7,7 @@ use crate::grid::{Grid, Medium};
 use crate::scheme::Scheme;
 use crate::simulation::{Domain, Drive, Flow, Simulation, SimulationOptions};
 use crate::spread::Spread;
-use crate::walls::SolidMask;
+use crate::walls::{SolidMask, WallCells};
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
@@ -36,7 +36,7 @@ pub struct Rig {
     /// Width of the absorbing layers.
     pub layer_cells: usize,
     /// Rigid walls.
-    pub mask: SolidMask,
+    pub walls: WallCells,
 }
 
 impl Rig {
@@ -46,28 +46,27 @@ impl Rig {
             scheme,
             spread: Spread::Kaiser12,
             layer_cells: 20,
-            mask: SolidMask {
-                nx,
-                ny,
-                cells: vec![false; nx * ny],
-            },
+            walls: WallCells::open(nx, ny),
         }
     }
 
     /// The grid with the cells solid whose indices `(ix, iy)` satisfy `solid`.
     pub fn with_walls(mut self, solid: impl Fn(usize, usize) -> bool) -> Self {
-        let nx = self.mask.nx;
-        for (cell, value) in self.mask.cells.iter_mut().enumerate() {
+        let [nx, ny] = self.walls.size();
+        let mut mask = SolidMask::open(nx, ny);
+        for (cell, value) in mask.cells.iter_mut().enumerate() {
             *value = solid(cell % nx, cell / nx);
         }
+        self.walls = mask.into();
         self
     }
 
     /// The grid.
     pub fn grid(&self) -> Grid {
+        let [nx, ny] = self.walls.size();
         Grid {
-            nx: self.mask.nx,
-            ny: self.mask.ny,
+            nx,
+            ny,
             dx_m: DX_M,
             dt_s: DT_S,
         }
@@ -86,7 +85,7 @@ impl Rig {
             scheme: self.scheme,
             spread: self.spread,
             layer_cells: self.layer_cells,
-            mask: self.mask.clone(),
+            walls: self.walls.clone(),
         }
     }
 
@@ -97,7 +96,7 @@ impl Rig {
             &AIR,
             self.scheme,
             self.layer_cells,
-            &self.mask,
+            &self.walls,
         );
         FastField::new(setup, 1)
     }
@@ -140,11 +139,8 @@ impl Rig {
 
     /// `steps` steps without a source.
     pub fn silence(&self, steps: usize) -> Vec<StepForcing> {
-        self.sounding(
-            centre_m(self.mask.nx / 2, self.mask.ny / 2),
-            &|_| 0.0,
-            steps,
-        )
+        let [nx, ny] = self.walls.size();
+        self.sounding(centre_m(nx / 2, ny / 2), &|_| 0.0, steps)
     }
 
     /// Pressure at the receiver after each of `steps` steps; entry `n` is at time `(n + 1) dt`.

@@ -1,12 +1,13 @@
 //! The wave operator near rigid walls, as sparse corrections to the plain stencil.
 //!
-//! A rigid wall closes faces of the second differences `A` and `B` (no flow through the face). The scheme's polynomial
-//! in the masked `A` and `B` is symmetric and negative semidefinite whatever the walls' shape; here its rows near walls
+//! A rigid wall closes faces of the second differences `A` and `B` or parts of them (no flow through the wall): `A` is
+//! `-V^-1 D' a D` with the open areas `V` of the cells and the weights `a` of the faces. The scheme's polynomial in the masked `A` and
+//! `B` is symmetric and negative semidefinite in the inner product weighted with `V`, whatever the walls' shape; here its rows near walls
 //! are worked out once and stored as differences to the plain stencil. Solid cells hold zero pressure, so the plain
-//! stencil sees nothing beyond the wall, and few entries per row differ.
+//! stencil sees nothing beyond the wall; next to whole cells few entries per row differ.
 
-use crate::scheme::Weights;
-use crate::walls::SolidMask;
+use super::{Opening, SolidMask, WallCells};
+use crate::scheme::{Polynomial, Weights};
 
 /// Half width of the patch in which a row of the operator is worked out; a scheme of radius three needs three cells and
 /// their faces.
@@ -22,6 +23,35 @@ pub struct Correction {
     pub entries: Vec<(isize, usize, f32)>,
 }
 
+/// A cell before a surface that is not rigid: its velocity `v` into the surface (times `rho c`, in Pa) follows the pressure, and takes from it.
+///
+/// The surface of impedance Z, with a little mass of air m before it, obeys `m dv/dt + Z v = p`; in steps, with z = Z/(rho c),
+/// `(m/chi)(v+ - v-) + z (v+ + v-)/2 = p` half a step before and after the pressure, which loses `chi (l/V)(v+ - v-)`. Energy goes into the
+/// mass and comes back, and into Z and does not: passive for every Z. The mass is what lies between a cell's middle and
+/// the wall; without it the reflection factor would be that of a wall half a cell nearer with a rigid one behind it. Its value
+/// is one half, and what the evanescent waves of a wide stencil add ([`crate::scheme::Polynomial::surface_mass`]).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// Column of the cell.
+    pub ix: usize,
+    /// What is left of the velocity from step to step.
+    pub decay: f32,
+    /// What a pressure gives to the velocity.
+    pub drive: f32,
+    /// What the velocity's change takes from the pressure.
+    pub gain: f32,
+    /// Place of the velocity in the field's memory.
+    pub memory: usize,
+}
+
+impl Surface {
+    /// Velocity after, from velocity and pressure before.
+    #[inline(always)]
+    pub fn velocity(&self, before: f32, pressure: f32) -> f32 {
+        self.decay.mul_add(before, self.drive * pressure)
+    }
+}
+
 /// Corrections and solid cells of every row of the grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct WallOperator {
@@ -29,52 +59,76 @@ pub struct WallOperator {
     pub corrections: Vec<Vec<Correction>>,
     /// Columns of the solid cells by row, in increasing order.
     pub solid: Vec<Vec<usize>>,
-}
-
-/// A small piece of field around a cell, and the walls in it.
-struct Patch<'a> {
-    mask: &'a SolidMask,
-    centre: [isize; 2],
+    /// Surfaces that are not rigid by row, in order of increasing column.
+    pub surfaces: Vec<Vec<Surface>>,
 }
 
 type Values = [[f64; WIDTH]; WIDTH];
 
-impl Patch<'_> {
-    /// Solid or not; what lies outside the grid is open, as the plain stencil has it.
-    fn solid(&self, dx: isize, dy: isize) -> bool {
-        let (ix, iy) = (self.centre[0] + dx, self.centre[1] + dy);
-        let inside =
-            ix >= 0 && iy >= 0 && (ix as usize) < self.mask.nx && (iy as usize) < self.mask.ny;
-        inside && self.mask.cells[iy as usize * self.mask.nx + ix as usize]
+/// A small piece of grid around a cell, and what walls leave of it.
+struct Patch {
+    area: Values,
+    west: Values,
+    south: Values,
+}
+
+impl Patch {
+    /// Without walls.
+    fn open() -> Self {
+        let full = [[1.0; WIDTH]; WIDTH];
+        Self {
+            area: full,
+            west: full,
+            south: full,
+        }
+    }
+
+    /// Around a cell; what lies outside the grid is open, as the plain stencil has it.
+    fn around(walls: &WallCells, [ix, iy]: [usize; 2]) -> Self {
+        let mut patch = Self::open();
+        for y in 0..WIDTH {
+            for x in 0..WIDTH {
+                let at = |i: usize, centre: usize| centre as isize + i as isize - REACH;
+                let opening = walls.opening(at(x, ix), at(y, iy)).unwrap_or(Opening {
+                    area: 0.0,
+                    west: 0.0,
+                    south: 0.0,
+                });
+                patch.area[y][x] = opening.area;
+                patch.west[y][x] = opening.west;
+                patch.south[y][x] = opening.south;
+            }
+        }
+        patch
     }
 
     /// Masked second difference of `u` along x (`axis` 0) or y (1); zero in solid cells and on the patch's rim.
     fn second_difference(&self, u: &Values, axis: usize) -> Values {
         let mut out = [[0.0; WIDTH]; WIDTH];
-        for dy in 1 - REACH..REACH {
-            for dx in 1 - REACH..REACH {
-                if self.solid(dx, dy) {
+        for y in 1..WIDTH - 1 {
+            for x in 1..WIDTH - 1 {
+                if self.area[y][x] == 0.0 {
                     continue;
                 }
-                let at = |x: isize, y: isize| u[(y + REACH) as usize][(x + REACH) as usize];
-                let mut sum = 0.0;
-                for side in [-1, 1] {
-                    let (nx, ny) = if axis == 0 {
-                        (dx + side, dy)
-                    } else {
-                        (dx, dy + side)
-                    };
-                    if !self.solid(nx, ny) {
-                        sum += at(nx, ny) - at(dx, dy);
-                    }
-                }
-                out[(dy + REACH) as usize][(dx + REACH) as usize] = sum;
+                let (low, high) = if axis == 0 {
+                    (
+                        self.west[y][x] * (u[y][x - 1] - u[y][x]),
+                        self.west[y][x + 1] * (u[y][x + 1] - u[y][x]),
+                    )
+                } else {
+                    (
+                        self.south[y][x] * (u[y - 1][x] - u[y][x]),
+                        self.south[y + 1][x] * (u[y + 1][x] - u[y][x]),
+                    )
+                };
+                out[y][x] = (low + high) / self.area[y][x];
             }
         }
         out
     }
 
-    /// Row of the operator at the patch's centre (the operator is symmetric: what a unit pressure there does).
+    /// Row of the operator at the patch's centre: what a unit pressure there does, turned around by the symmetry of
+    /// the operator in the inner product of the areas.
     fn operator_row(&self, weights: &Weights) -> Values {
         let mut unit = [[0.0; WIDTH]; WIDTH];
         unit[REACH as usize][REACH as usize] = 1.0;
@@ -109,6 +163,12 @@ impl Patch<'_> {
                 ]);
             }
         }
+        let own = self.area[REACH as usize][REACH as usize];
+        for (row, areas) in out.iter_mut().zip(&self.area) {
+            for (weight, area) in row.iter_mut().zip(areas) {
+                *weight *= area / own;
+            }
+        }
         out
     }
 }
@@ -126,23 +186,16 @@ fn combine(terms: &[(f64, &Values)]) -> Values {
 }
 
 impl WallOperator {
-    /// Works out the rows near the walls of `mask` for a scheme with `weights` and stencil `radius` (1 to 3).
-    pub fn new(mask: &SolidMask, weights: &Weights, radius: usize) -> Self {
+    /// Works out the rows near `walls` for a scheme with `weights` and stencil `radius` (1 to 3).
+    pub fn new(walls: &WallCells, weights: &Weights, radius: usize) -> Self {
+        let mask = walls.solid();
         let (nx, ny) = (mask.nx, mask.ny);
-        let open = SolidMask {
-            nx: 0,
-            ny: 0,
-            cells: Vec::new(),
-        };
-        let plain = Patch {
-            mask: &open,
-            centre: [0, 0],
-        }
-        .operator_row(weights);
-        let near = near_walls(mask, radius);
+        let plain = Patch::open().operator_row(weights);
+        let near = near_walls(walls, radius);
         let mut operator = Self {
             corrections: vec![Vec::new(); ny],
             solid: vec![Vec::new(); ny],
+            surfaces: vec![Vec::new(); ny],
         };
         for iy in 0..ny {
             for ix in 0..nx {
@@ -150,11 +203,9 @@ impl WallOperator {
                 if mask.cells[cell] {
                     operator.solid[iy].push(ix);
                 } else if near[cell] {
-                    let patch = Patch {
-                        mask,
-                        centre: [ix as isize, iy as isize],
-                    };
-                    let entries = difference(&patch, &patch.operator_row(weights), &plain);
+                    let patch = Patch::around(walls, [ix, iy]);
+                    let row = patch.operator_row(weights);
+                    let entries = difference(&patch, mask, [ix, iy], &row, &plain);
                     if !entries.is_empty() {
                         operator.corrections[iy].push(Correction { ix, entries });
                     }
@@ -162,6 +213,37 @@ impl WallOperator {
             }
         }
         operator
+    }
+
+    /// With the surfaces of `walls` that are not rigid, for the Courant number of `polynomial` and the characteristic impedance `rho c`
+    /// of the air in Pa s/m.
+    #[must_use]
+    pub fn with_surfaces(
+        mut self,
+        walls: &WallCells,
+        polynomial: &Polynomial,
+        characteristic_pasm: f64,
+    ) -> Self {
+        let nx = walls.size()[0];
+        let courant = polynomial.courant;
+        let usual = polynomial.surface_mass();
+        for (memory, (cell, load)) in walls.loads().enumerate() {
+            let mass = usual.max(load.least_mass) / courant;
+            let half = 0.5 * load.impedance_pasm / characteristic_pasm;
+            self.surfaces[cell / nx].push(Surface {
+                ix: cell % nx,
+                decay: ((mass - half) / (mass + half)) as f32,
+                drive: (1.0 / (mass + half)) as f32,
+                gain: (courant * load.length / load.area) as f32,
+                memory,
+            });
+        }
+        self
+    }
+
+    /// Number of surfaces that are not rigid.
+    pub fn surface_count(&self) -> usize {
+        self.surfaces.iter().map(Vec::len).sum()
     }
 
     /// Number of cells with a correction, and of entries in all.
@@ -178,30 +260,62 @@ impl WallOperator {
 }
 
 /// Entries in which a row differs from the plain stencil, on fluid cells inside the grid only.
-fn difference(patch: &Patch<'_>, row: &Values, plain: &Values) -> Vec<(isize, usize, f32)> {
+///
+/// They are rounded to the weights' quantum, and the cell's own entry makes the row sum to exactly zero: what the areas and faces of
+/// cut cells are must not make a constant pressure move.
+fn difference(
+    patch: &Patch,
+    mask: &SolidMask,
+    [ix, iy]: [usize; 2],
+    row: &Values,
+    plain: &Values,
+) -> Vec<(isize, usize, f32)> {
+    const QUANTUM: f64 = (1u32 << 22) as f64;
+    let centre = REACH as usize;
     let mut entries = Vec::new();
-    for dy in -REACH..=REACH {
-        for dx in -REACH..=REACH {
-            let (i, j) = ((dy + REACH) as usize, (dx + REACH) as usize);
-            let weight = row[i][j] - plain[i][j];
-            let (ix, iy) = (patch.centre[0] + dx, patch.centre[1] + dy);
-            let inside = ix >= 0
-                && iy >= 0
-                && (ix as usize) < patch.mask.nx
-                && (iy as usize) < patch.mask.ny;
-            if weight != 0.0 && inside && !patch.solid(dx, dy) {
-                entries.push((dy, ix as usize, weight as f32));
+    let (mut others, mut own) = (0.0, None);
+    for y in 0..WIDTH {
+        for x in 0..WIDTH {
+            if patch.area[y][x] == 0.0 {
+                continue;
             }
+            let place = |i: usize, centre: usize| (centre + i).checked_sub(REACH as usize);
+            let inside = place(x, ix)
+                .zip(place(y, iy))
+                .is_some_and(|(x, y)| x < mask.nx && y < mask.ny);
+            let mut weight = row[y][x] - plain[y][x];
+            if inside {
+                weight = (weight * QUANTUM).round() / QUANTUM;
+            }
+            if [x, y] == [centre, centre] {
+                own = Some(entries.len());
+                entries.push((0, ix, 0.0));
+                continue;
+            }
+            others += plain[y][x] + weight;
+            if inside && weight != 0.0 {
+                entries.push((y as isize - REACH, ix + x - centre, weight as f32));
+            }
+        }
+    }
+    if let Some(own) = own {
+        let weight = -others - plain[centre][centre];
+        if weight == 0.0 {
+            entries.remove(own);
+        } else {
+            entries[own].2 = weight as f32;
         }
     }
     entries
 }
 
-/// Cells whose stencil can feel a solid cell.
-fn near_walls(mask: &SolidMask, radius: usize) -> Vec<bool> {
+/// Cells whose stencil can feel a cell that is not whole.
+fn near_walls(walls: &WallCells, radius: usize) -> Vec<bool> {
+    let mask = walls.solid();
     let (nx, ny, r) = (mask.nx as isize, mask.ny as isize, radius as isize);
     let mut near = vec![false; mask.cells.len()];
-    for (cell, _) in mask.cells.iter().enumerate().filter(|(_, solid)| **solid) {
+    let solid = mask.iter_solid().map(|(ix, iy)| iy * mask.nx + ix);
+    for cell in solid.chain(walls.partial().map(|(cell, _)| cell)) {
         let (ix, iy) = (cell as isize % nx, cell as isize / nx);
         for y in (iy - r).max(0)..=(iy + r).min(ny - 1) {
             for x in (ix - r).max(0)..=(ix + r).min(nx - 1) {

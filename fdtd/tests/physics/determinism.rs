@@ -11,7 +11,7 @@ use fdtd::scene::{Robot, Scene, WaveformSpec};
 use fdtd::scheme::Scheme;
 use fdtd::simulation::{Drive, Flow, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
 use fdtd::spread::Spread;
-use fdtd::walls::Wall;
+use fdtd::walls::{Wall, WallModel};
 use fdtd::waveform::PeriodicWaveform;
 use std::collections::BTreeMap;
 
@@ -36,6 +36,7 @@ fn scene(scheme: Scheme, path: DrivePath) -> Scene {
         name: "a slanted wall".into(),
         description: String::new(),
         medium: AIR,
+        air: None,
         grid: Grid {
             nx: 200,
             ny: 180,
@@ -48,7 +49,9 @@ fn scene(scheme: Scheme, path: DrivePath) -> Scene {
         walls: vec![Wall {
             points_m: vec![[0.25, 0.7], [0.6, 0.62], [0.75, 0.3]],
             thickness_m: 0.02,
+            impedance_pasm: None,
         }],
+        wall_model: WallModel::default(),
         waveform: WaveformSpec::default(),
         sample_rate_hz: 40e3,
         robot: ROBOT,

@@ -12,7 +12,6 @@ use fdtd::field::Field;
 use fdtd::grid::Grid;
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
-use fdtd::walls::rasterize;
 use std::path::Path;
 
 #[test]
@@ -27,7 +26,7 @@ fn the_resonance_behind_gaps_does_not_grow() {
     };
     for scheme in Scheme::ALL {
         let mut rig = Rig::open(scheme, coarse.nx, coarse.ny);
-        rig.mask = rasterize(&coarse, &scene.walls);
+        rig.walls = scene.wall_model.cells(&coarse, &scene.walls);
         let mut field = rig.field();
         let mut state = field.state();
         let middle = 75..225;

@@ -5,6 +5,7 @@
 mod rig;
 
 mod absorbing_layer;
+mod absorption;
 mod box_modes;
 mod coincident_pair;
 mod corner;
@@ -14,7 +15,11 @@ mod doppler;
 mod drift;
 mod energy;
 mod free_field;
+mod half_plane;
 mod image_echo;
+mod impedance_wall;
 mod late_time;
 mod reciprocity;
+mod scene_echoes;
 mod spectrum;
+mod tilted_wall;

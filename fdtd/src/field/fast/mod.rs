@@ -23,6 +23,7 @@ use self::layout::RowLayout;
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows};
 use crate::pml::Profile;
 use crate::spread::TAPS;
+use crate::walls::operator::Surface;
 
 /// Steps per time block, times the stencil's radius: the rows in flight of all steps (about `2 BLOCK` rows, 350 KiB at
 /// 1000 columns) stay in the second-level cache.
@@ -33,6 +34,8 @@ const BLOCK: usize = 32;
 struct RowWalls {
     corrections: Vec<RowCorrection>,
     solid: Vec<u32>,
+    /// Offset in the row, and the surface.
+    surfaces: Vec<(u32, Surface)>,
 }
 
 /// One corrected cell: its offset in the row, and its entries in [`Plan::entries`].
@@ -100,6 +103,7 @@ pub struct FastField {
     other: Level,
     layer_x: Vec<f32>,
     layer_y: Vec<f32>,
+    surfaces: Vec<f32>,
 }
 
 impl FastField {
@@ -149,6 +153,7 @@ impl FastField {
             other: Level::silent(numbers, 32),
             layer_x: vec![0.0; plan.setup.ny * 6 * plan.setup.layer.width()],
             layer_y: vec![0.0; 2 * cells * 3 * plan.layout.stride],
+            surfaces: vec![0.0; plan.setup.walls.surface_count()],
             plan: Arc::new(plan),
             pool,
             threads,
@@ -171,6 +176,7 @@ impl FastField {
             ],
             layer_x: self.layer_x.as_mut_ptr(),
             layer_y: self.layer_y.as_mut_ptr(),
+            surfaces: self.surfaces.as_mut_ptr(),
         };
         let phases = tiles::tiles(
             plan.setup.ny,
@@ -201,29 +207,33 @@ impl Plan {
     fn new(setup: FieldSetup, layout: RowLayout, instructions: InstructionSet) -> Self {
         let mut entries = Vec::new();
         let stride = layout.stride as isize;
-        let walls =
-            setup
-                .walls
-                .corrections
-                .iter()
-                .zip(&setup.walls.solid)
-                .map(|(corrections, solid)| RowWalls {
-                    corrections: corrections
-                        .iter()
-                        .map(|correction| {
-                            let first = entries.len() as u32;
-                            entries.extend(correction.entries.iter().map(|&(dy, ix, weight)| {
-                                ((dy * stride + layout.offset(ix) as isize) as i32, weight)
-                            }));
-                            RowCorrection {
-                                at: layout.offset(correction.ix) as u32,
-                                first,
-                                end: entries.len() as u32,
-                            }
-                        })
-                        .collect(),
-                    solid: solid.iter().map(|&ix| layout.offset(ix) as u32).collect(),
-                });
+        let walls = setup
+            .walls
+            .corrections
+            .iter()
+            .zip(&setup.walls.solid)
+            .zip(&setup.walls.surfaces)
+            .map(|((corrections, solid), surfaces)| RowWalls {
+                surfaces: surfaces
+                    .iter()
+                    .map(|surface| (layout.offset(surface.ix) as u32, *surface))
+                    .collect(),
+                corrections: corrections
+                    .iter()
+                    .map(|correction| {
+                        let first = entries.len() as u32;
+                        entries.extend(correction.entries.iter().map(|&(dy, ix, weight)| {
+                            ((dy * stride + layout.offset(ix) as isize) as i32, weight)
+                        }));
+                        RowCorrection {
+                            at: layout.offset(correction.ix) as u32,
+                            first,
+                            end: entries.len() as u32,
+                        }
+                    })
+                    .collect(),
+                solid: solid.iter().map(|&ix| layout.offset(ix) as u32).collect(),
+            });
         let walls = walls.collect();
         Self {
             high: setup.layer.mirrored(),
@@ -272,6 +282,7 @@ impl Field for FastField {
             previous: plain(&self.other),
             layer_x: self.layer_x.clone(),
             layer_y,
+            surfaces: self.surfaces.clone(),
         }
     }
 
@@ -290,6 +301,7 @@ impl Field for FastField {
             }
         }
         self.layer_x.copy_from_slice(&state.layer_x);
+        self.surfaces.copy_from_slice(&state.surfaces);
         assert_eq!(
             state.layer_y.len(),
             self.layer_y.len() / layout.stride * nx,

@@ -71,6 +71,7 @@ fn a_static_pair_hears_every_image_of_the_lattice_once() {
             max_order: 3,
             include_direct: true,
             fade_m: 1e-6,
+            stamped: false,
         },
     );
     assert_eq!(signal.len(), 4000);

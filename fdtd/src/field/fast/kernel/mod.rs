@@ -47,6 +47,8 @@ pub(super) struct Shared {
     pub(super) layer_x: *mut f32,
     /// Layer memory along y, `[row of layer, 3, stride]`.
     pub(super) layer_y: *mut f32,
+    /// Velocities into surfaces that are not rigid; those of a row belong to who writes the row.
+    pub(super) surfaces: *mut f32,
 }
 
 // SAFETY: the pointers are only used by tiles of one block, on disjoint rows (see `tiles`), while the field that owns
@@ -371,6 +373,14 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                     sum = weight.mul_add(*now_base.offset(at as isize + offset as isize), sum);
                 }
                 next[correction.at as usize] += sum;
+            }
+            for (offset, surface) in &walls.surfaces {
+                let velocity = shared.surfaces.add(surface.memory);
+                let before = *velocity;
+                let after = surface.velocity(before, *now_base.add(at + *offset as usize));
+                *velocity = after;
+                let p = &mut next[*offset as usize];
+                *p = surface.gain.mul_add(before - after, *p);
             }
             for &solid in &walls.solid {
                 next[solid as usize] = 0.0;

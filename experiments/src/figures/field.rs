@@ -1,0 +1,155 @@
+//! The sound field of a scene at one moment after a short burst: wave fronts, echoes, and what bends round the ends of walls.
+
+use std::path::Path;
+
+use anyhow::Result;
+use fdtd::exact::burst::Burst;
+use fdtd::motion::{DrivePath, MotionState};
+use fdtd::scene::Scene;
+use fdtd::simulation::{Flow, Simulation, SimulationOptions};
+use fdtd::waveform::PeriodicWaveform;
+use ndarray::ArrayView2;
+use plotters::style::RGBColor;
+
+use super::axes::TITLE;
+use super::canvas::{self, Marker, Stroke};
+use super::colour;
+use super::legend::{Entry, legend};
+use super::scene::layout_of;
+use crate::metrics::quantile;
+
+/// Carrier and bandwidth of the burst, Hz: wave fronts of 7 cm that the eye can follow, and the sound of a click.
+const BURST_HZ: [f64; 2] = [5e3, 1.8e3];
+
+/// Colours of silence, and of the strongest pressure below and above.
+const SHADES: [[f64; 3]; 3] = [
+    [250.0, 250.0, 250.0],
+    [0.0, 70.0, 140.0],
+    [190.0, 70.0, 0.0],
+];
+
+/// Pressure frame of a scene `t_s` seconds after a burst from the loudspeaker at rest at the start of `path`: columns, rows, `[iy, ix]` values in Pa.
+///
+/// # Errors
+/// When the scene has no such path or the field refuses it.
+fn burst_frame(scene: &Scene, path: &str, t_s: f64) -> Result<(usize, usize, Vec<f32>)> {
+    let start = scene.path(path)?.state_at(0.0);
+    let rest = MotionState {
+        v_mps: 0.0,
+        omega_radps: 0.0,
+        ..start
+    };
+    let burst = Burst::from_zero(BURST_HZ[0], BURST_HZ[1]);
+    // Time counts from the burst's peak.
+    let end_s = t_s + burst.centre_s;
+    let mut still = scene.clone();
+    still
+        .paths
+        .insert("still".to_string(), DrivePath::uniform(rest, end_s)?);
+    let dt_s = scene.grid.dt_s;
+    let one: Vec<f64> = (0..(2.0 * end_s / dt_s) as usize)
+        .map(|n| burst.value(n as f64 * dt_s))
+        .collect();
+    let period_s = one.len() as f64 * dt_s;
+    let waveform = PeriodicWaveform::new(&one, period_s, scene.waveform.band_hz[1], 1.0 / dt_s);
+    let options = SimulationOptions::default();
+    let mut simulation = Simulation::new(&still, "still", &waveform, &options)?;
+    simulation.run(&mut |_, _| Flow::Continue)?;
+    Ok(simulation.pressure_frame())
+}
+
+/// White at zero, blue below, orange above; weak waves are lifted.
+fn shade(value: f64) -> RGBColor {
+    let strength = value.abs().min(1.0).powf(0.6);
+    let end = if value < 0.0 { SHADES[1] } else { SHADES[2] };
+    let channel = |k: usize| (SHADES[0][k] + strength * (end[k] - SHADES[0][k])).round() as u8;
+    RGBColor(channel(0), channel(1), channel(2))
+}
+
+/// Draws the scene with the field `t_s` seconds after a burst at the start of `path`.
+///
+/// # Errors
+/// When the field refuses the scene or the picture cannot be written.
+pub(crate) fn draw(scene: &Scene, path: &str, t_s: f64, picture: &Path) -> Result<()> {
+    let (columns, rows, mut pressures) = burst_frame(scene, path, t_s)?;
+    let robot_m = scene.path(path)?.point_at(0.0, [0.0, 0.0]);
+    let layout = layout_of(scene);
+    // The last wave fronts are weaker than the first; all are lifted by the root of their distance.
+    let (dx_m, magnitude) = (scene.grid.dx_m, |value: &f32| f64::from(value.abs()));
+    for (index, value) in pressures.iter_mut().enumerate() {
+        let (x, y) = (
+            (index % columns) as f64 + 0.5,
+            (index / columns) as f64 + 0.5,
+        );
+        let away_m = (x * dx_m - robot_m[0]).hypot(y * dx_m - robot_m[1]);
+        *value *= away_m.max(0.3).sqrt() as f32;
+    }
+    let sample: Vec<f64> = pressures.iter().step_by(7).map(magnitude).collect();
+    let full = quantile(&sample, 0.985).max(f64::MIN_POSITIVE);
+    let scaled: Vec<f32> = pressures
+        .iter()
+        .map(|p| (f64::from(*p) / full) as f32)
+        .collect();
+    // One pixel per cell of the papers' grid.
+    canvas::draw(picture, 1160, 1250, |sheet| {
+        let title = format!("A click among walls, {:.1} ms later", 1e3 * t_s);
+        sheet.text(
+            &title,
+            [0.5 * sheet.width, 24.0],
+            (0, 1),
+            TITLE,
+            true,
+            false,
+        )?;
+        let axes = layout.axes(sheet, [120.0, 90.0, 1120.0, 1090.0]);
+        let [width_m, height_m] = layout.size_m;
+        let image = ArrayView2::from_shape((rows, columns), &scaled)?;
+        axes.shaded(image, [[0.0, width_m], [0.0, height_m]], &shade)?;
+        layout.walls(&axes, Stroke::solid(colour::BLACK, 9.0))?;
+        axes.markers(
+            &[(robot_m[0], robot_m[1])],
+            Marker::Disc,
+            34.0,
+            RGBColor(255, 255, 255),
+        )?;
+        axes.markers(
+            &[(robot_m[0], robot_m[1])],
+            Marker::Disc,
+            24.0,
+            colour::GREEN,
+        )?;
+        axes.finish("")?;
+        let swatch = |value: f64, text: &str| Entry {
+            stroke: Some(Stroke::solid(shade(value), 22.0)),
+            marker: None,
+            text: text.to_string(),
+        };
+        let entries = [
+            Entry::line(Stroke::solid(colour::BLACK, 10.0), "wall"),
+            Entry {
+                stroke: None,
+                marker: Some((Marker::Disc, colour::GREEN)),
+                text: "robot".to_string(),
+            },
+            swatch(0.7, "high pressure"),
+            swatch(-0.7, "low pressure"),
+        ];
+        legend(sheet, [50.0, 1188.0], 1110.0, &entries)?;
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shade;
+
+    #[test]
+    fn silence_is_nearly_white_and_both_signs_get_darker() {
+        let luma = |value: f64| {
+            let plotters::style::RGBColor(r, g, b) = shade(value);
+            u32::from(r) + u32::from(g) + u32::from(b)
+        };
+        assert!(luma(0.0) == 750 && luma(0.5) < luma(0.1) && luma(-0.5) < luma(-0.1));
+        assert_ne!(shade(0.4), shade(-0.4));
+    }
+}

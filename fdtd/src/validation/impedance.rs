@@ -1,0 +1,136 @@
+//! Reflection of walls of an impedance over angle.
+//!
+//! Layout: a duct of 48 or 96 cells between rigid walls, which carries one mode across it: plane waves that meet the wall at the duct's end at
+//! an angle. A packet of the mode is set moving towards the end; what a microphone in the duct hears after the packet has passed
+//! is Fourier transformed, and divided by the same with a rigid end.
+//! Formula: `(Z cos - rho c)/(Z cos + rho c)`, the angle being that of the continuum.
+//! Bias: none of dispersion on the way, which cancels; the surface's own grows with frequency squared.
+//! Tolerance: 0.02 at 4 kHz, Z/(rho c) from 0.05 to 20, 0 to 62 degrees. At 10 kHz, to 67 degrees, it is shown.
+
+use super::rig::{AIR, DT_S, DX_M, Rig, centre_m, line};
+use super::{Depth, Measurement};
+use crate::Error;
+use crate::field::{Field, FieldState};
+use crate::scheme::Scheme;
+use crate::walls::{Wall, WallModel};
+use rustfft::num_complex::Complex;
+use std::f64::consts::{PI, TAU};
+
+/// Impedances over that of the air.
+pub const RATIOS: [f64; 5] = [0.05, 0.3, 1.0, 3.0, 20.0];
+
+/// Frequency in hertz, cells across the duct, modes (0, about 40 and 62 to 67 degrees).
+pub const CASES: [(f64, usize, [usize; 3]); 2] = [(4e3, 96, [0, 7, 10]), (10e3, 48, [0, 9, 13])];
+
+/// Cells between the start of the grid and the duct.
+const SIDE: usize = 28;
+// Columns of the duct's end, of the line, and of the packet's middle at first.
+const END: usize = 1000;
+const LINE: usize = 600;
+const START: usize = 250;
+
+/// Spectrum at `frequency_hz` of what comes back of a mode from an end of an impedance, rigid when `None`.
+fn heard(
+    scheme: Scheme,
+    frequency_hz: f64,
+    width: usize,
+    mode: usize,
+    impedance_pasm: Option<f64>,
+) -> Complex<f64> {
+    let mut rig = Rig::open(scheme, END + 40, width + 2 * SIDE);
+    let at = |cells: f64| cells * DX_M;
+    let wall = |from: [f64; 2], to: [f64; 2], impedance_pasm| Wall {
+        points_m: vec![from.map(at), to.map(at)],
+        thickness_m: at(4.0),
+        impedance_pasm,
+    };
+    let (low, high) = (SIDE as f64, (SIDE + width) as f64);
+    let end = END as f64;
+    let walls = [
+        wall([0.0, low - 2.0], [end + 4.0, low - 2.0], None),
+        wall([0.0, high + 2.0], [end + 4.0, high + 2.0], None),
+        wall([end + 2.0, low], [end + 2.0, high], impedance_pasm),
+    ];
+    rig.walls = WallModel::CutCells.cells(&rig.grid(), &walls);
+    let omega = TAU * frequency_hz;
+    let across = PI * mode as f64 / width as f64;
+    let along = ((omega * DX_M / AIR.c_mps).powi(2) - across * across).sqrt();
+    let group = rig.courant() * along * AIR.c_mps / (omega * DX_M);
+    let [nx, ny] = rig.walls.size();
+    let shape = |iy: usize| (across * (iy as f64 + 0.5 - SIDE as f64)).cos();
+    let packet = |early: f64| -> Vec<f32> {
+        let value = |cell: usize| {
+            let (ix, iy) = (cell % nx, cell / nx);
+            if !(SIDE..SIDE + width).contains(&iy) || ix >= END {
+                return 0.0;
+            }
+            let from = ix as f64 - START as f64;
+            let envelope = (-0.5 * ((from + group * early) / 60.0).powi(2)).exp();
+            let phase = along * from + omega * DT_S * early;
+            (envelope * phase.cos() * shape(iy)) as f32
+        };
+        (0..nx * ny).map(value).collect()
+    };
+    let mut field = rig.field();
+    let blank = field.state();
+    field.set_state(&FieldState {
+        pressure: packet(0.0),
+        previous: packet(1.0),
+        ..blank
+    });
+    // The packet is at the end when the microphone is in silence; then it hears what comes back, until that has gone by.
+    let steps = |cells: usize| (cells as f64 / group) as usize;
+    field.advance(&rig.silence(steps(END - START)), &mut Vec::new());
+    let clear = SIDE + 8..SIDE + width - 8;
+    let loudest = clear.max_by(|&a, &b| shape(a).abs().total_cmp(&shape(b).abs()));
+    let microphone_m = centre_m(LINE, loudest.unwrap_or(SIDE + width / 2));
+    let mut received = Vec::new();
+    let listening = rig.sounding(microphone_m, &|_| 0.0, steps(5 * (END - LINE) / 2));
+    field.advance(&listening, &mut received);
+    let received: Vec<f64> = received.into_iter().map(f64::from).collect();
+    line(&received, frequency_hz)
+}
+
+/// Largest error of the reflection factor over impedances and angles, with the angle in degrees and the ratio where it is.
+pub fn largest(scheme: Scheme, (frequency_hz, width, modes): (f64, usize, [usize; 3])) -> [f64; 3] {
+    let mut most = [0.0; 3];
+    for mode in modes {
+        let rigid = heard(scheme, frequency_hz, width, mode, None);
+        let sin = mode as f64 * AIR.c_mps / (2.0 * width as f64 * DX_M * frequency_hz);
+        let cos = (1.0 - sin * sin).sqrt();
+        for ratio in RATIOS {
+            let impedance_pasm = ratio * AIR.rho_kgpm3 * AIR.c_mps;
+            let found = heard(scheme, frequency_hz, width, mode, Some(impedance_pasm)) / rigid;
+            let error = (found - (ratio * cos - 1.0) / (ratio * cos + 1.0)).norm();
+            if error > most[0] {
+                most = [error, sin.asin().to_degrees(), ratio];
+            }
+        }
+    }
+    most
+}
+
+/// Measurements of the reflection factor.
+///
+/// # Errors
+/// None.
+pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
+    let schemes = match depth {
+        Depth::Quick => &Scheme::ALL[2..3],
+        Depth::Full => &Scheme::ALL[..],
+    };
+    let mut found = Vec::new();
+    for &scheme in schemes {
+        for case in CASES {
+            let name = format!("{scheme}, {} kHz, worst over angle", case.0 / 1e3);
+            let quantity = "reflection factor, error";
+            let [error, ..] = largest(scheme, case);
+            found.push(if case.0 < 5e3 {
+                Measurement::below(name, quantity, error, 0.02)
+            } else {
+                Measurement::shown(name, quantity, error)
+            });
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,143 @@
+//! How much of every cell and of every face between cells is open: what walls are to the field.
+
+use super::SolidMask;
+use std::collections::BTreeMap;
+
+/// What a wall leaves of a cell and of its faces to the cells at lower x and at lower y, as fractions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Opening {
+    /// Open part of the cell's area, above 0.
+    pub area: f64,
+    /// Weight of the face to the cell at lower x: its open part, less where the spectrum asks for it.
+    pub west: f64,
+    /// Weight of the face to the cell at lower y.
+    pub south: f64,
+}
+
+impl Opening {
+    /// A cell far from walls.
+    pub const FULL: Self = Self {
+        area: 1.0,
+        west: 1.0,
+        south: 1.0,
+    };
+}
+
+/// A cell's share of the surface of a wall that is not rigid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// Impedance of the surface in Pa s/m.
+    pub impedance_pasm: f64,
+    /// Length of the surface in the cell, in cell widths.
+    pub length: f64,
+    /// Open part of the cell's area.
+    pub area: f64,
+    /// Least mass of air before the surface that the spectrum allows, in cell widths.
+    pub least_mass: f64,
+}
+
+/// The walls as cells: solid ones, and those of which a wall leaves a part.
+///
+/// A face is closed when either of its cells is solid. Outside the grid everything is open.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WallCells {
+    solid: SolidMask,
+    /// By index `iy nx + ix`; a fluid cell that is not in here is full and has open faces to fluid cells.
+    partial: BTreeMap<usize, Opening>,
+    /// Cells before surfaces that are not rigid, by index.
+    loads: BTreeMap<usize, Load>,
+}
+
+impl WallCells {
+    /// Solid cells `solid`, and what is left of cells by their index `iy nx + ix`.
+    pub(super) fn new(solid: SolidMask, mut partial: BTreeMap<usize, Opening>) -> Self {
+        partial.retain(|&cell, opening| !solid.cells[cell] && *opening != Opening::FULL);
+        Self {
+            solid,
+            partial,
+            loads: BTreeMap::new(),
+        }
+    }
+
+    /// The same with surfaces that are not rigid.
+    pub(super) fn with_loads(self, loads: BTreeMap<usize, Load>) -> Self {
+        Self { loads, ..self }
+    }
+
+    /// The cells before surfaces that are not rigid, by index `iy nx + ix`, in order.
+    pub fn loads(&self) -> impl Iterator<Item = (usize, &Load)> {
+        self.loads.iter().map(|(&cell, load)| (cell, load))
+    }
+
+    /// A grid without walls.
+    pub fn open(nx: usize, ny: usize) -> Self {
+        SolidMask::open(nx, ny).into()
+    }
+
+    /// Cells along x and y.
+    pub fn size(&self) -> [usize; 2] {
+        [self.solid.nx, self.solid.ny]
+    }
+
+    /// The cells that hold no air.
+    pub fn solid(&self) -> &SolidMask {
+        &self.solid
+    }
+
+    /// The cells of which a wall leaves a part, by index `iy nx + ix`, in order.
+    pub fn partial(&self) -> impl Iterator<Item = (usize, &Opening)> {
+        self.partial.iter().map(|(&cell, opening)| (cell, opening))
+    }
+
+    /// Whether a wall takes the cell or a part of it or of its faces at lower x and y; not so outside the grid.
+    pub fn is_touched(&self, ix: usize, iy: usize) -> bool {
+        self.solid.is_solid(ix, iy)
+            || (ix < self.solid.nx && self.partial.contains_key(&(iy * self.solid.nx + ix)))
+    }
+
+    /// Open area fraction of every cell, `[iy, ix]`, x fastest: the weights of the inner product in which the wave
+    /// operator is symmetric.
+    pub fn areas(&self) -> Vec<f64> {
+        let solid = self.solid.cells.iter();
+        let mut areas: Vec<f64> = solid.map(|&solid| f64::from(u8::from(!solid))).collect();
+        for (&cell, opening) in &self.partial {
+            areas[cell] = opening.area;
+        }
+        areas
+    }
+
+    /// Index of a cell inside the grid.
+    fn cell(&self, ix: isize, iy: isize) -> Option<usize> {
+        let inside =
+            ix >= 0 && iy >= 0 && (ix as usize) < self.solid.nx && (iy as usize) < self.solid.ny;
+        inside.then(|| iy as usize * self.solid.nx + ix as usize)
+    }
+
+    /// What is left of a cell, of any place: `None` for a solid one. Faces to solid cells are closed.
+    pub(super) fn opening(&self, ix: isize, iy: isize) -> Option<Opening> {
+        let solid = |x, y| self.cell(x, y).is_some_and(|cell| self.solid.cells[cell]);
+        if solid(ix, iy) {
+            return None;
+        }
+        let partial = self.cell(ix, iy).and_then(|cell| self.partial.get(&cell));
+        let mut opening = partial.copied().unwrap_or(Opening::FULL);
+        if solid(ix - 1, iy) {
+            opening.west = 0.0;
+        }
+        if solid(ix, iy - 1) {
+            opening.south = 0.0;
+        }
+        Some(opening)
+    }
+}
+
+impl From<SolidMask> for WallCells {
+    /// Whole cells only: the staircase.
+    fn from(solid: SolidMask) -> Self {
+        Self {
+            solid,
+            partial: BTreeMap::new(),
+            loads: BTreeMap::new(),
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Diffraction at the edge of a rigid half plane in the light, at the shadow's border and in deep shadow: [`fdtd::validation::half_plane`] says
+//! layout, formula, bias and tolerance.
+
+use fdtd::scheme::Scheme;
+use fdtd::validation::Depth;
+use fdtd::validation::half_plane::{half_plane, measure};
+
+#[test]
+fn sound_bends_round_an_edge_as_sommerfeld_says() {
+    for measurement in measure(Depth::Full).expect("finite fields") {
+        println!(
+            "half plane, {}: {} {:.4}",
+            measurement.case, measurement.quantity, measurement.measured
+        );
+        assert!(measurement.passed(), "{measurement:?}");
+    }
+}
+
+#[test]
+fn what_is_left_is_the_walls_thickness() {
+    let [thick, thin] =
+        [1, 2].map(|times| half_plane(Scheme::M13, 340.0, times).expect("a finite field"));
+    println!("half plane, 340 degrees: {thick:?}, thickness halved {thin:?}");
+    assert!(thin.waveform < 0.65 * thick.waveform);
+    assert!(thick.naive > 2.5 * thick.waveform);
+}

@@ -1,0 +1,17 @@
+//! Echoes of the paper-size scene beside its image sources: [`fdtd::validation::scene_echoes`] says layout, formula, bias and tolerance.
+
+use fdtd::validation::Depth;
+use fdtd::validation::scene_echoes::measure;
+
+#[test]
+fn echoes_of_the_scene_are_those_of_its_images() {
+    let found = measure(Depth::Quick).expect("finite fields");
+    assert!(found.iter().filter(|one| !one.informative).count() >= 4);
+    for measurement in found {
+        println!(
+            "{}: {} {:.3}",
+            measurement.case, measurement.quantity, measurement.measured
+        );
+        assert!(measurement.passed(), "{measurement:?}");
+    }
+}

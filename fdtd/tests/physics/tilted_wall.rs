@@ -1,0 +1,38 @@
+//! Echo and scatter of walls that lie across the grid: [`fdtd::validation::tilted`] says layout, formula and tolerance.
+
+use fdtd::scheme::Scheme;
+use fdtd::validation::tilted::{SCHEMES, TILTS, largest, scatter};
+use fdtd::walls::WallModel;
+
+#[test]
+fn the_echo_of_a_tilted_wall_is_that_of_the_image_source() {
+    for scheme in SCHEMES {
+        for (tilt_deg, allowed) in TILTS {
+            let error = largest(scheme, WallModel::CutCells, tilt_deg).expect("a finite field");
+            println!(
+                "tilted wall, {scheme}, {tilt_deg} degrees: level in dB, delay in s {error:?}"
+            );
+            for (error, allowed) in error.into_iter().zip(allowed) {
+                assert!(
+                    error.abs() < allowed,
+                    "{scheme}, {tilt_deg} degrees: {error}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_slanted_wall_scatters_far_less_than_stairs() {
+    for scheme in Scheme::ALL {
+        let [cut, stairs] =
+            WallModel::ALL.map(|model| scatter(scheme, model).expect("a finite field"));
+        println!(
+            "scatter at 12 degrees, {scheme}: cut cells {cut:.1} dB, staircase {stairs:.1} dB"
+        );
+        assert!(
+            cut < stairs - 20.0,
+            "{scheme}: {cut} dB, stairs {stairs} dB"
+        );
+    }
+}

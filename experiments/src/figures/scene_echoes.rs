@@ -94,14 +94,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let entries = marks().map(|(walls, marker, shade)| Entry {
             stroke: None,
             marker: Some((marker, shade)),
-            text: format!(
-                "{walls} (scattering stairs {})",
-                if walls == "all walls" {
-                    "among them"
-                } else {
-                    "left out"
-                }
-            ),
+            text: format!("{walls}, as cut cells"),
         });
         legend(sheet, [150.0, 1270.0], 1600.0, &entries)?;
         Ok(())

@@ -89,6 +89,9 @@ pub fn recording_key(scene: &Scene, take: &Take, engine_print: &str) -> Result<S
     key.text("engine print", engine_print);
     key.value("engine", &take.engine)?;
     key.value("free field", &take.free_field)?;
+    if take.stamped {
+        key.value("stamped", &take.stamped)?;
+    }
     key.numbers("odometry bias", &[take.odometry_bias_radps]);
     key.numbers(
         "medium and grid",

@@ -70,6 +70,7 @@ fn what_sounds_counts() {
             scheme: Some(Scheme::Slf),
             ..take.clone()
         },
+        take.stamped(),
         Take {
             wall_model: Some(fdtd::walls::WallModel::Staircase),
             ..take.clone()

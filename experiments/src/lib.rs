@@ -5,6 +5,7 @@ pub mod bench;
 pub mod cache;
 pub mod check;
 pub mod cli;
+mod click;
 pub mod figures;
 pub mod interrupt;
 pub mod laboratory;

@@ -219,7 +219,7 @@ fn scene_echoes(depth: Depth, data: &Path) -> Result<()> {
                     "pair along the grid"
                 }
                 .to_string(),
-                scene_echoes::kind_name(echo.kind).to_string(),
+                echo.kind.name().to_string(),
                 if echo.along_grid {
                     "along the grid"
                 } else {

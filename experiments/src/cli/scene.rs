@@ -7,6 +7,7 @@ use clap::Subcommand;
 use fdtd::scene::Scene;
 
 use super::print_json;
+use crate::click;
 use crate::figures::field;
 use crate::figures::scene::draw;
 
@@ -67,7 +68,10 @@ impl Arguments {
                     Some((_, after_s)) if !(after_s > 0.0 && after_s <= 1.0) => {
                         bail!("--after: {after_s} is out of range; give more than 0 to 1 s")
                     }
-                    Some((path, after_s)) => field::draw(&scene, &path, after_s, &output)?,
+                    Some((path, after_s)) => {
+                        let frame = click::frame(&scene, &path, after_s)?;
+                        field::draw(&scene, &path, after_s, frame, &output)?;
+                    }
                     None => draw(&scene, &output)?,
                 }
                 eprintln!("wrote {}", output.display());

@@ -3,11 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use fdtd::exact::burst::Burst;
-use fdtd::motion::{DrivePath, MotionState};
 use fdtd::scene::Scene;
-use fdtd::simulation::{Flow, Simulation, SimulationOptions};
-use fdtd::waveform::PeriodicWaveform;
 use ndarray::ArrayView2;
 use plotters::style::RGBColor;
 
@@ -16,10 +12,8 @@ use super::canvas::{self, Marker, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
 use super::scene::layout_of;
+use crate::click::Frame;
 use crate::metrics::quantile;
-
-/// Carrier and bandwidth of the burst, Hz: wave fronts of 7 cm that the eye can follow, and the sound of a click.
-const BURST_HZ: [f64; 2] = [5e3, 1.8e3];
 
 /// Colours of silence, and of the strongest pressure below and above.
 const SHADES: [[f64; 3]; 3] = [
@@ -27,36 +21,6 @@ const SHADES: [[f64; 3]; 3] = [
     [0.0, 70.0, 140.0],
     [190.0, 70.0, 0.0],
 ];
-
-/// Pressure frame of a scene `t_s` seconds after a burst from the loudspeaker at rest at the start of `path`: columns, rows, `[iy, ix]` values in Pa.
-///
-/// # Errors
-/// When the scene has no such path or the field refuses it.
-fn burst_frame(scene: &Scene, path: &str, t_s: f64) -> Result<(usize, usize, Vec<f32>)> {
-    let start = scene.path(path)?.state_at(0.0);
-    let rest = MotionState {
-        v_mps: 0.0,
-        omega_radps: 0.0,
-        ..start
-    };
-    let burst = Burst::from_zero(BURST_HZ[0], BURST_HZ[1]);
-    // Time counts from the burst's peak.
-    let end_s = t_s + burst.centre_s;
-    let mut still = scene.clone();
-    still
-        .paths
-        .insert("still".to_string(), DrivePath::uniform(rest, end_s)?);
-    let dt_s = scene.grid.dt_s;
-    let one: Vec<f64> = (0..(2.0 * end_s / dt_s) as usize)
-        .map(|n| burst.value(n as f64 * dt_s))
-        .collect();
-    let period_s = one.len() as f64 * dt_s;
-    let waveform = PeriodicWaveform::new(&one, period_s, scene.waveform.band_hz[1], 1.0 / dt_s);
-    let options = SimulationOptions::default();
-    let mut simulation = Simulation::new(&still, "still", &waveform, &options)?;
-    simulation.run(&mut |_, _| Flow::Continue)?;
-    Ok(simulation.pressure_frame())
-}
 
 /// White at zero, blue below, orange above; weak waves are lifted.
 fn shade(value: f64) -> RGBColor {
@@ -66,12 +30,22 @@ fn shade(value: f64) -> RGBColor {
     RGBColor(channel(0), channel(1), channel(2))
 }
 
-/// Draws the scene with the field `t_s` seconds after a burst at the start of `path`.
+/// Draws the scene with its field `click` at `t_s` seconds after a click at the start of `path` ([`crate::click::frame`]).
 ///
 /// # Errors
-/// When the field refuses the scene or the picture cannot be written.
-pub(crate) fn draw(scene: &Scene, path: &str, t_s: f64, picture: &Path) -> Result<()> {
-    let (columns, rows, mut pressures) = burst_frame(scene, path, t_s)?;
+/// When the scene has no such path or the picture cannot be written.
+pub(crate) fn draw(
+    scene: &Scene,
+    path: &str,
+    t_s: f64,
+    click: Frame,
+    picture: &Path,
+) -> Result<()> {
+    let Frame {
+        columns,
+        rows,
+        mut pressures,
+    } = click;
     let robot_m = scene.path(path)?.point_at(0.0, [0.0, 0.0]);
     let layout = layout_of(scene);
     // The last wave fronts are weaker than the first; all are lifted by the root of their distance.

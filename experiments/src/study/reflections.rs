@@ -45,12 +45,11 @@ fn rays(lab: &Laboratory, times_s: &[f64]) -> Result<Vec<Ray>> {
         let receiver = path.point_at(t_s, lab.scene.robot.microphone_offset_m);
         for ray in trace(&reflectors, source, receiver, &options) {
             let kind = match ray.kind {
-                RayKind::Single => "single",
-                RayKind::Corner => "corner",
-                RayKind::Double if meet(&lab.scene.walls, &ray.walls) => "corner",
-                RayKind::Double => "double",
+                RayKind::Double if meet(&lab.scene.walls, &ray.walls) => RayKind::Corner,
                 RayKind::Direct | RayKind::Multiple => continue,
-            };
+                kind => kind,
+            }
+            .name();
             found.push(Ray {
                 t_s,
                 round_trip_m: ray.length_m,

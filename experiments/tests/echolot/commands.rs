@@ -1,6 +1,6 @@
 //! Exit codes, messages and printed results of the commands.
 
-use crate::room::{ROOM, echolot, expect, refuse, scene_file};
+use crate::room::{ROOM, SIMULATE, echolot, expect, refuse, scene_file};
 
 #[test]
 fn every_command_has_help_with_an_example() {
@@ -56,14 +56,6 @@ fn bad_input_is_one_line_that_names_file_and_field() {
         complaint.contains("drive") && complaint.contains("localization"),
         "{complaint}"
     );
-    let simulate = [
-        "simulate",
-        "room.json",
-        "--path",
-        "short",
-        "-o",
-        "recording",
-    ];
     for (more, words) in [
         (
             vec!["--absorption"],
@@ -74,7 +66,7 @@ fn bad_input_is_one_line_that_names_file_and_field() {
             ["temperature_degc: 90", "30"],
         ),
     ] {
-        let complaint = refuse(at, &[&simulate[..], &more].concat());
+        let complaint = refuse(at, &[&SIMULATE[..], &["recording"], &more].concat());
         assert!(
             words.iter().all(|word| complaint.contains(word)),
             "{complaint}"
@@ -121,21 +113,12 @@ fn a_folder_with_other_things_is_never_replaced() {
     scene_file(at);
     std::fs::create_dir(at.join("precious")).unwrap();
     std::fs::write(at.join("precious/thesis.tex"), "x").unwrap();
-    let simulate = [
-        "simulate",
-        "room.json",
-        "--path",
-        "short",
-        "--engine",
-        "image-source",
-        "-o",
-    ];
     for output in ["precious", "."] {
-        refuse(at, &[&simulate[..], &[output]].concat());
+        refuse(at, &[&SIMULATE[..], &[output]].concat());
     }
     assert!(at.join("precious/thesis.tex").exists());
-    expect(at, &[&simulate[..], &["recording"]].concat());
-    expect(at, &[&simulate[..], &["recording"]].concat());
+    expect(at, &[&SIMULATE[..], &["recording"]].concat());
+    expect(at, &[&SIMULATE[..], &["recording"]].concat());
     assert!(at.join("recording/signal.wav").exists());
 }
 
@@ -276,17 +259,7 @@ fn absorption_takes_from_the_echoes_and_tells_so() {
     let at = folder.path();
     scene_file(at);
     let simulate = |output: &str, more: &[&str]| {
-        let fixed = [
-            "simulate",
-            "room.json",
-            "--path",
-            "short",
-            "--engine",
-            "image-source",
-            "-o",
-            output,
-        ];
-        expect(at, &[&fixed[..], more].concat());
+        expect(at, &[&SIMULATE[..], &[output], more].concat());
         let recording = localizer::recording::Recording::read(&at.join(output)).unwrap();
         let energy: f64 = recording.signal.iter().map(|p| f64::from(*p).powi(2)).sum();
         (energy, recording.meta.provenance["absorption"].clone())

@@ -36,6 +36,17 @@ pub(crate) fn scene_file(folder: &Path) -> PathBuf {
     path
 }
 
+/// `echolot simulate` of the drive `short` by image sources, up to the recording's name.
+pub(crate) const SIMULATE: [&str; 7] = [
+    "simulate",
+    "room.json",
+    "--path",
+    "short",
+    "--engine",
+    "image-source",
+    "-o",
+];
+
 /// Runs `echolot` in `folder`.
 pub(crate) fn echolot(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_echolot"))

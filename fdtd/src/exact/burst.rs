@@ -1,5 +1,6 @@
 //! A short tone with a Gaussian envelope: smooth, of finite length for all that f64 can tell, with a known spectrum.
 
+use crate::waveform::PeriodicWaveform;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
@@ -32,6 +33,15 @@ impl Burst {
     pub fn value(&self, t_s: f64) -> f64 {
         let since_s = t_s - self.centre_s;
         (-0.5 * (since_s / self.sigma_s).powi(2)).exp() * (TAU * self.frequency_hz * since_s).cos()
+    }
+
+    /// The burst again and again, once every `period_s` seconds (up to a sample at `rate_hz`), limited to a band: what a simulation sends that
+    /// ends before the second.
+    pub fn every(&self, period_s: f64, band_hz: [f64; 2], rate_hz: f64) -> PeriodicWaveform {
+        let one: Vec<f64> = (0..(period_s * rate_hz) as usize)
+            .map(|n| self.value(n as f64 / rate_hz))
+            .collect();
+        PeriodicWaveform::with_band(&one, one.len() as f64 / rate_hz, band_hz, rate_hz)
     }
 
     /// First and last time in seconds at which it is not negligible.

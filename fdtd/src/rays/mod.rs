@@ -30,6 +30,19 @@ pub enum RayKind {
     Multiple,
 }
 
+impl RayKind {
+    /// Name in data files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Single => "single",
+            Self::Corner => "corner",
+            Self::Double => "double",
+            Self::Multiple => "multiple",
+        }
+    }
+}
+
 /// One specular path from a source to a receiver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RayPath {

@@ -7,7 +7,7 @@
 //! Tolerance: 1 % of the echoes (root mean square), 0.02 dB with m13; 5 % and 0.03 dB with d25, whose error of phase is spread over the whole band. An
 //! echo left out, or one of half the strength, would be 20 % or more.
 
-use super::rig::{AIR, DT_S, DX_M, decibels, difference, norm};
+use super::rig::{AIR, DT_S, DX_M, decibels, difference, echoes, norm};
 use super::{Depth, Measurement};
 use crate::Error;
 use crate::grid::Grid;
@@ -15,7 +15,7 @@ use crate::image_source::{DrivingPair, ImageSourceOptions, synthesize};
 use crate::motion::{DrivePath, MotionState};
 use crate::scene::{Robot, Scene, WaveformSpec};
 use crate::scheme::Scheme;
-use crate::simulation::{Flow, Simulation, SimulationOptions};
+use crate::simulation::Simulation;
 use crate::spread::Spread;
 use crate::walls::{Wall, WallModel};
 use crate::waveform::PeriodicWaveform;
@@ -55,7 +55,6 @@ pub fn scene(scheme: Scheme) -> Result<Scene, Error> {
             thickness_m: 0.02,
             impedance_pasm: None,
         }],
-
         wall_model: WallModel::default(),
         waveform: WaveformSpec::default(),
         sample_rate_hz: RATE_HZ,
@@ -96,17 +95,7 @@ pub fn corner(scheme: Scheme) -> Result<CornerError, Error> {
         .map(|k| chip(k) - chip((1001 - k) % 1001))
         .collect();
     let waveform = PeriodicWaveform::with_band(&chips, 1001.0 / RATE_HZ, [1.5e3, 5e3], 1.0 / DT_S);
-    let hear = |free_field| -> Result<Vec<f64>, Error> {
-        let options = SimulationOptions {
-            free_field,
-            threads: 1,
-            ..SimulationOptions::default()
-        };
-        let mut simulation = Simulation::new(&scene, "drive", &waveform, &options)?;
-        simulation.run(&mut |_, _| Flow::Continue)?;
-        Ok(simulation.signal().into_iter().map(f64::from).collect())
-    };
-    let echoes = difference(&hear(false)?, &hear(true)?);
+    let echoes = echoes(&scene, "drive", &waveform, Simulation::signal)?;
     let drive = DrivingPair {
         path: scene.path("drive")?,
         loudspeaker_offset_m: scene.robot.loudspeaker_offset_m,
@@ -147,21 +136,11 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
         Depth::Full => &CASES[..],
     };
     let mut found = Vec::new();
-    for &(scheme, [waveform, level_db]) in cases {
+    for &(scheme, allowed) in cases {
         let error = corner(scheme)?;
         let case = format!("{scheme}, drive at 0.4 m/s, 1.5 to 5 kHz");
-        found.push(Measurement::below(
-            case.clone(),
-            "waveform, relative",
-            error.waveform,
-            waveform,
-        ));
-        found.push(Measurement::within(
-            case.clone(),
-            "level, dB",
-            error.level_db,
-            level_db,
-        ));
+        let measured = [error.waveform, error.level_db];
+        found.extend(Measurement::waveform_and_level(&case, measured, allowed));
         let quantity = "waveform without the corner's echo";
         found.push(Measurement::shown(case, quantity, error.without_corner));
     }

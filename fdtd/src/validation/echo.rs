@@ -77,17 +77,10 @@ pub fn measure_image(_: Depth) -> Result<Vec<Measurement>, Error> {
         for (apart_m, vertical) in [(0.0, true), (0.7, false)] {
             let error = image(scheme, frequency_hz, apart_m, vertical)?;
             let case = format!("{scheme}, {apart_m} m apart, {} kHz", frequency_hz / 1e3);
-            found.push(Measurement::below(
-                case.clone(),
-                "waveform, relative",
-                error[0],
-                waveform,
-            ));
-            found.push(Measurement::within(
-                case.clone(),
-                "level, dB",
-                error[1],
-                level_db,
+            found.extend(Measurement::waveform_and_level(
+                &case,
+                [error[0], error[1]],
+                [waveform, level_db],
             ));
             found.push(Measurement::within(
                 case,

@@ -109,17 +109,10 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
                 900,
             )?;
             let case = format!("{scheme}, {}, {} kHz", motion.name, frequency_hz / 1e3);
-            found.push(Measurement::below(
-                case.clone(),
-                "waveform, relative",
-                waveform,
-                tolerance,
-            ));
-            found.push(Measurement::within(
-                case,
-                "level, dB",
-                level_db,
-                tolerance_db,
+            found.extend(Measurement::waveform_and_level(
+                &case,
+                [waveform, level_db],
+                [tolerance, tolerance_db],
             ));
         }
     }

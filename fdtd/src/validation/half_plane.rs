@@ -134,19 +134,9 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
             "{scheme}, {degrees} degrees, {} kHz",
             1e-3 * FREQUENCY_HZ / times as f64
         );
-        let [waveform, level_db] = tolerance(degrees, times);
-        found.push(Measurement::below(
-            case.clone(),
-            "waveform, relative",
-            error.waveform,
-            waveform,
-        ));
-        found.push(Measurement::within(
-            case.clone(),
-            "level, dB",
-            error.level_db,
-            level_db,
-        ));
+        let allowed = tolerance(degrees, times);
+        let measured = [error.waveform, error.level_db];
+        found.extend(Measurement::waveform_and_level(&case, measured, allowed));
         if degrees > 330.0 {
             let quantity = "waveform, edge at the wall's end";
             found.push(Measurement::shown(case, quantity, error.naive));

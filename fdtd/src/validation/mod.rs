@@ -68,6 +68,15 @@ impl Measurement {
         }
     }
 
+    /// The relative error of a waveform and that of its level in dB, with what is allowed of both.
+    pub fn waveform_and_level(case: &str, measured: [f64; 2], allowed: [f64; 2]) -> [Self; 2] {
+        let ([waveform, level_db], [most, most_db]) = (measured, allowed);
+        [
+            Self::below(case.to_string(), "waveform, relative", waveform, most),
+            Self::within(case.to_string(), "level, dB", level_db, most_db),
+        ]
+    }
+
     /// A number shown beside the others, whatever it is.
     pub fn shown(case: String, quantity: &'static str, measured: f64) -> Self {
         Self {

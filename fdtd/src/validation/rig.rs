@@ -4,10 +4,12 @@ use crate::Error;
 use crate::exact::monopole::Monopole;
 use crate::field::{FastField, FieldSetup, StepForcing};
 use crate::grid::{Grid, Medium};
+use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::simulation::{Domain, Drive, Flow, Simulation, SimulationOptions};
 use crate::spread::Spread;
 use crate::walls::{SolidMask, WallCells};
+use crate::waveform::PeriodicWaveform;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
@@ -209,4 +211,27 @@ pub fn difference(one: &[f64], other: &[f64]) -> Vec<f64> {
 /// Ratio in decibels.
 pub fn decibels(ratio: f64) -> f64 {
     20.0 * ratio.log10()
+}
+
+/// What walls add to a recording on a path of a scene, in Pa: `heard` takes the signal from the finished run, with walls and without.
+///
+/// # Errors
+/// When the scene has no such path, or a field becomes non-finite.
+pub fn echoes(
+    scene: &Scene,
+    path: &str,
+    waveform: &PeriodicWaveform,
+    heard: impl Fn(&Simulation) -> Vec<f32>,
+) -> Result<Vec<f64>, Error> {
+    let run = |free_field: bool| -> Result<Vec<f64>, Error> {
+        let options = SimulationOptions {
+            free_field,
+            threads: 1,
+            ..SimulationOptions::default()
+        };
+        let mut simulation = Simulation::new(scene, path, waveform, &options)?;
+        simulation.run(&mut |_, _| Flow::Continue)?;
+        Ok(heard(&simulation).into_iter().map(f64::from).collect())
+    };
+    Ok(difference(&run(false)?, &run(true)?))
 }

@@ -14,7 +14,7 @@
 //! Tolerance: 0.15 dB and 0.5 us; half a cell of error in a wall's place would be 15 us. Walls made of whole cells fail: slanted ones of slope 1 to 2
 //! give single echoes 4 to 7 us late.
 
-use super::rig::{DT_S, decibels, difference, norm};
+use super::rig::{DT_S, decibels, difference, echoes, norm};
 use super::{Depth, Measurement};
 use crate::Error;
 use crate::exact::burst::Burst;
@@ -23,9 +23,8 @@ use crate::motion::{DrivePath, MotionState};
 use crate::rays::{RayKind, RayPath, Reflectors, TraceOptions, trace};
 use crate::scene::Scene;
 use crate::scheme::Polynomial;
-use crate::simulation::{Flow, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
+use crate::simulation::SOURCE_STRENGTH_M2PS;
 use crate::walls::WallModel;
-use crate::waveform::PeriodicWaveform;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -305,26 +304,10 @@ fn place(scene: &Scene, whole: bool, place_m: [f64; 2]) -> Result<Place, Error> 
     let mut scene = scene.clone();
     let path = DrivePath::uniform(rest, DURATION_S)?;
     scene.paths.insert("rest".to_string(), path);
-    let rate_hz = 1.0 / DT_S;
-    let one: Vec<f64> = (0..(2.0 * DURATION_S * rate_hz) as usize)
-        .map(|n| burst().value(n as f64 * DT_S))
-        .collect();
-    let waveform = PeriodicWaveform::with_band(&one, one.len() as f64 * DT_S, [0.0, 18e3], rate_hz);
-    let hear = |free_field: bool| -> Result<Vec<f64>, Error> {
-        let options = SimulationOptions {
-            free_field,
-            threads: 1,
-            ..SimulationOptions::default()
-        };
-        let mut simulation = Simulation::new(&scene, "rest", &waveform, &options)?;
-        simulation.run(&mut |_, _| Flow::Continue)?;
-        Ok(simulation
-            .received()
-            .iter()
-            .map(|&p| f64::from(p))
-            .collect())
-    };
-    let heard = difference(&hear(false)?, &hear(true)?);
+    let waveform = burst().every(2.0 * DURATION_S, [0.0, 18e3], 1.0 / DT_S);
+    let heard = echoes(&scene, "rest", &waveform, |simulation| {
+        simulation.received().to_vec()
+    })?;
     let reflectors = Reflectors::of(&scene.walls);
     let echoes = alone(&reflectors, place_m)
         .iter()
@@ -384,17 +367,6 @@ fn best_places(scene: &Scene, count: usize) -> Result<Vec<[f64; 2]>, Error> {
     Ok(chosen)
 }
 
-/// Name of a kind of echo.
-pub fn kind_name(kind: RayKind) -> &'static str {
-    match kind {
-        RayKind::Direct => "direct",
-        RayKind::Single => "single",
-        RayKind::Corner => "corner",
-        RayKind::Double => "double",
-        RayKind::Multiple => "multiple",
-    }
-}
-
 /// The law's measurements.
 ///
 /// # Errors
@@ -413,7 +385,7 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
                 },
                 place.place_m[0],
                 place.place_m[1],
-                kind_name(echo.kind),
+                echo.kind.name(),
                 walls.join(" "),
                 if echo.along_grid { "" } else { " (slanted)" },
                 echo.length_m,

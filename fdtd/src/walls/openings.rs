@@ -106,20 +106,14 @@ impl WallCells {
         areas
     }
 
-    /// Index of a cell inside the grid.
-    fn cell(&self, ix: isize, iy: isize) -> Option<usize> {
-        let inside =
-            ix >= 0 && iy >= 0 && (ix as usize) < self.solid.nx && (iy as usize) < self.solid.ny;
-        inside.then(|| iy as usize * self.solid.nx + ix as usize)
-    }
-
     /// What is left of a cell, of any place: `None` for a solid one. Faces to solid cells are closed.
     pub(super) fn opening(&self, ix: isize, iy: isize) -> Option<Opening> {
-        let solid = |x, y| self.cell(x, y).is_some_and(|cell| self.solid.cells[cell]);
+        let mask = &self.solid;
+        let solid = |x, y| mask.index(x, y).is_some_and(|cell| mask.cells[cell]);
         if solid(ix, iy) {
             return None;
         }
-        let partial = self.cell(ix, iy).and_then(|cell| self.partial.get(&cell));
+        let partial = mask.index(ix, iy).and_then(|cell| self.partial.get(&cell));
         let mut opening = partial.copied().unwrap_or(Opening::FULL);
         if solid(ix - 1, iy) {
             opening.west = 0.0;

@@ -25,6 +25,12 @@ impl SolidMask {
         }
     }
 
+    /// Index of a cell of any place, `None` outside the grid.
+    pub(super) fn index(&self, ix: isize, iy: isize) -> Option<usize> {
+        let inside = ix >= 0 && iy >= 0 && (ix as usize) < self.nx && (iy as usize) < self.ny;
+        inside.then(|| iy as usize * self.nx + ix as usize)
+    }
+
     /// Whether a cell is solid; what lies outside the grid is not.
     pub fn is_solid(&self, ix: usize, iy: usize) -> bool {
         ix < self.nx && iy < self.ny && self.cells[iy * self.nx + ix]

@@ -15,15 +15,8 @@ pub(super) struct Openings<'a> {
 }
 
 impl Openings<'_> {
-    /// Index of a cell in the grid.
-    fn cell(&self, ix: isize, iy: isize) -> Option<usize> {
-        let inside =
-            ix >= 0 && iy >= 0 && (ix as usize) < self.solid.nx && (iy as usize) < self.solid.ny;
-        inside.then(|| iy as usize * self.solid.nx + ix as usize)
-    }
-
     pub(super) fn area(&self, ix: isize, iy: isize) -> f64 {
-        match self.cell(ix, iy) {
+        match self.solid.index(ix, iy) {
             Some(cell) if self.solid.cells[cell] => 0.0,
             Some(cell) => self.areas.get(&cell).copied().unwrap_or(1.0),
             None => 1.0,
@@ -36,7 +29,9 @@ impl Openings<'_> {
         if self.area(ix, iy) == 0.0 || self.area(other.0, other.1) == 0.0 {
             return 0.0;
         }
-        let (Some(here), Some(there)) = (self.cell(ix, iy), self.cell(other.0, other.1)) else {
+        let (Some(here), Some(there)) =
+            (self.solid.index(ix, iy), self.solid.index(other.0, other.1))
+        else {
             return 1.0;
         };
         let shapes: Vec<&Convex> = [here, there]
@@ -57,7 +52,8 @@ impl Openings<'_> {
         let next = [(ix + 1, iy), (ix, iy + 1)][axis];
         let faces = [self.face(axis, ix, iy), self.face(axis, next.0, next.1)];
         let soft = self
-            .cell(ix, iy)
+            .solid
+            .index(ix, iy)
             .is_some_and(|cell| self.soft.contains_key(&cell));
         // A surface that gives way takes the share of the part that it closes.
         let all = if soft {
@@ -100,7 +96,8 @@ impl Openings<'_> {
                     (_, false) => (ix, iy + 1),
                 };
                 let rigid = self
-                    .cell(beyond.0, beyond.1)
+                    .solid
+                    .index(beyond.0, beyond.1)
                     .is_some_and(|cell| self.solid.cells[cell] && !self.soft.contains_key(&cell));
                 if closed > 0.0 && !rigid {
                     length = length.hypot(closed);

@@ -4,14 +4,14 @@
 //! Formula: a robot at rest is a robot of zero velocity; the number of threads and the engine are not physics.
 //! Bias, tolerance: none, bit for bit.
 
-use crate::rig::{AIR, DT_S, DX_M};
+use crate::rig::DT_S;
 use fdtd::grid::Grid;
 use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState, PoseSample};
-use fdtd::scene::{Robot, Scene, WaveformSpec};
+use fdtd::scene::{Robot, Scene};
 use fdtd::scheme::Scheme;
 use fdtd::simulation::{Drive, Flow, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
-use fdtd::spread::Spread;
-use fdtd::walls::{Wall, WallModel};
+use fdtd::validation::corner;
+use fdtd::walls::Wall;
 use fdtd::waveform::PeriodicWaveform;
 use std::collections::BTreeMap;
 
@@ -32,30 +32,21 @@ fn pose(v_mps: f64, omega_radps: f64) -> MotionState {
 }
 
 fn scene(scheme: Scheme, path: DrivePath) -> Scene {
+    let corner = corner::scene(scheme).expect("a valid drive");
     Scene {
         name: "a slanted wall".into(),
-        description: String::new(),
-        medium: AIR,
-        air: None,
         grid: Grid {
             nx: 200,
             ny: 180,
-            dx_m: DX_M,
-            dt_s: DT_S,
+            ..corner.grid
         },
-        layer_cells: 20,
-        scheme,
-        spread: Spread::Kaiser12,
         walls: vec![Wall {
             points_m: vec![[0.25, 0.7], [0.6, 0.62], [0.75, 0.3]],
-            thickness_m: 0.02,
-            impedance_pasm: None,
+            ..corner.walls[0].clone()
         }],
-        wall_model: WallModel::default(),
-        waveform: WaveformSpec::default(),
-        sample_rate_hz: 40e3,
         robot: ROBOT,
         paths: BTreeMap::from([("drive".into(), path)]),
+        ..corner
     }
 }
 

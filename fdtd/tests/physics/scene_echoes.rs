@@ -1,5 +1,6 @@
 //! Echoes of the paper-size scene beside its image sources: [`fdtd::validation::scene_echoes`] says layout, formula, bias and tolerance.
 
+use crate::rig::assert_within;
 use fdtd::validation::Depth;
 use fdtd::validation::scene_echoes::measure;
 
@@ -7,11 +8,5 @@ use fdtd::validation::scene_echoes::measure;
 fn echoes_of_the_scene_are_those_of_its_images() {
     let found = measure(Depth::Quick).expect("finite fields");
     assert!(found.iter().filter(|one| !one.informative).count() >= 4);
-    for measurement in found {
-        println!(
-            "{}: {} {:.3}",
-            measurement.case, measurement.quantity, measurement.measured
-        );
-        assert!(measurement.passed(), "{measurement:?}");
-    }
+    assert_within("echoes of the scene", &found);
 }

@@ -1,0 +1,49 @@
+//! The sound field of a scene shortly after a click of the robot at rest.
+
+use anyhow::Result;
+use fdtd::exact::burst::Burst;
+use fdtd::motion::{DrivePath, MotionState};
+use fdtd::scene::Scene;
+use fdtd::simulation::{Flow, Simulation, SimulationOptions};
+
+/// Carrier and bandwidth of the click, Hz: wave fronts of 7 cm that the eye can follow.
+const BURST_HZ: [f64; 2] = [5e3, 1.8e3];
+
+/// Pressure of all cells at one moment.
+pub(crate) struct Frame {
+    /// Cells along x.
+    pub(crate) columns: usize,
+    /// Cells along y.
+    pub(crate) rows: usize,
+    /// `[iy, ix]`, x fastest, in Pa.
+    pub(crate) pressures: Vec<f32>,
+}
+
+/// The field `t_s` seconds after a click from the loudspeaker at rest at the start of `path`.
+///
+/// # Errors
+/// When the scene has no such path or the field refuses it.
+pub(crate) fn frame(scene: &Scene, path: &str, t_s: f64) -> Result<Frame> {
+    let rest = MotionState {
+        v_mps: 0.0,
+        omega_radps: 0.0,
+        ..scene.path(path)?.state_at(0.0)
+    };
+    let burst = Burst::from_zero(BURST_HZ[0], BURST_HZ[1]);
+    // Time counts from the burst's peak.
+    let end_s = t_s + burst.centre_s;
+    let mut still = scene.clone();
+    let path = DrivePath::uniform(rest, end_s)?;
+    still.paths.insert("still".to_string(), path);
+    let band_hz = [0.0, scene.waveform.band_hz[1]];
+    let waveform = burst.every(2.0 * end_s, band_hz, 1.0 / scene.grid.dt_s);
+    let options = SimulationOptions::default();
+    let mut simulation = Simulation::new(&still, "still", &waveform, &options)?;
+    simulation.run(&mut |_, _| Flow::Continue)?;
+    let (columns, rows, pressures) = simulation.pressure_frame();
+    Ok(Frame {
+        columns,
+        rows,
+        pressures,
+    })
+}

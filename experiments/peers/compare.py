@@ -9,7 +9,7 @@ Devito compiles C code and needs gcc. An engine that cannot be installed or fail
 
 Same work: a square f32 field, the five-point leapfrog scheme, no output but a receiver. The engine under test has everything on
 (absorbing layers, walls, moving source and receiver); numba and Devito have a plain box, Deepwave absorbing layers and a fixed
-source. Everything runs in turn on the same machine; best of three.
+source. All engines run in turn, three times over; the best of each counts, so that a moment in which something else ran does not.
 """
 
 import argparse
@@ -23,7 +23,7 @@ import venv
 HERE = pathlib.Path(__file__).resolve().parent
 ENVIRONMENT = HERE / ".venv"
 PEERS = ["numba", "devito", "deepwave"]
-REPEATS = 3
+ROUNDS = 3
 
 
 def interpreter():
@@ -58,15 +58,10 @@ def peer_rate(python, name, cells, steps, threads):
 
 
 def own_rates(echolot, cells, steps, threads):
-    """Speed of every engine and scheme in Gcell/s, best of three."""
+    """Speed of every engine and scheme in Gcell/s."""
     command = [echolot, "bench", "--json", "--cells", f"{cells}x{cells}", "--steps", str(steps), "--threads", str(threads)]
-    best = {}
-    for _ in range(REPEATS):
-        rows = json.loads(subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout)
-        for row in rows:
-            key = (f"{row['engine']} {row['scheme']}", row["threads"])
-            best[key] = max(best.get(key, 0.0), row["gcells_per_s"])
-    return best
+    rows = json.loads(subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout)
+    return {(f"{row['engine']} {row['scheme']}", row["threads"]): row["gcells_per_s"] for row in rows}
 
 
 def main():
@@ -80,13 +75,17 @@ def main():
         parser.error(f"--echolot {arguments.echolot}: is missing; run `cargo build --release` first")
     python = interpreter()
     table = {}
-    for threads in arguments.threads:
-        for name in PEERS:
-            table[name, threads] = peer_rate(python, name, arguments.cells, arguments.steps, threads)
-        table.update(own_rates(arguments.echolot, arguments.cells, arguments.steps, threads))
+    for _ in range(ROUNDS):
+        for threads in arguments.threads:
+            case = (arguments.cells, arguments.steps, threads)
+            rates = {(name, threads): peer_rate(python, name, *case) for name in PEERS}
+            rates.update(own_rates(arguments.echolot, *case))
+            for key, rate in rates.items():
+                table[key] = max(filter(None, (table.get(key), rate)), default=None)
     names = list(dict.fromkeys(name for name, _ in table))
     load = os.getloadavg()[0]
-    print(f"{arguments.cells} x {arguments.cells} cells, f32, {arguments.steps} steps; Gcell/s, and how many times faster `fast slf` is")
+    size = f"{arguments.cells} x {arguments.cells} cells, f32, {arguments.steps} steps"
+    print(f"{size}; Gcell/s, and how many times faster `fast slf` is")
     print(f"load average at the end: {load:.1f} on {os.cpu_count()} cores")
     print("| engine |" + "".join(f" {t} thread(s) | fast slf over it |" for t in arguments.threads))
     print("|---|" + "---|---|" * len(arguments.threads))

@@ -74,11 +74,15 @@ fn grids(rows: &[Row]) -> Vec<((usize, usize), RGBColor)> {
 
 /// What the figure shows, in one line.
 fn title(data: &Data) -> String {
-    let largest = data
-        .rows
-        .iter()
-        .filter(|row| row.engine == "fast" && row.threads == 1)
-        .max_by_key(|row| row.cells());
+    let single = || {
+        data.rows
+            .iter()
+            .filter(|row| row.engine == "fast" && row.threads == 1)
+    };
+    let cells = single().map(Row::cells).max();
+    let largest = single()
+        .filter(|row| Some(row.cells()) == cells)
+        .max_by(|a, b| a.gcells_per_s.total_cmp(&b.gcells_per_s));
     let roof = data.peaks.iter().find(|peak| peak.threads == 1);
     if let (Some(row), Some(roof)) = (largest, roof) {
         let above = row.gcells_per_s * row.bytes_per_cell / roof.memory_gbps;
@@ -205,22 +209,25 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     })
 }
 
-/// Draws a line at every scheme's intensity and its name at the foot of it.
+/// Draws a line at every scheme's intensity and its name at the foot of it; schemes of equal intensity share one.
 fn schemes(axes: &Axes<'_>, sheet: &Canvas, rows: &[Row]) -> Result<()> {
-    let mut known: Vec<&str> = Vec::new();
+    let mut places: Vec<(f64, Vec<&str>)> = Vec::new();
     for row in rows {
-        if known.contains(&row.scheme.as_str()) {
-            continue;
-        }
-        known.push(&row.scheme);
         let x = row.intensity().log10();
+        match places.iter_mut().find(|place| place.0 == x) {
+            Some((_, names)) if names.contains(&row.scheme.as_str()) => {}
+            Some((_, names)) => names.push(&row.scheme),
+            None => places.push((x, vec![&row.scheme])),
+        }
+    }
+    for (x, names) in places {
         axes.curve(
             &[(x, axes.y.low), (x, axes.y.high)],
             Stroke::solid(colour::GREY, 2.0).faint(0.6),
         )?;
         let foot = axes.pixel(x, axes.y.low);
         sheet.text(
-            &row.scheme,
+            &names.join(", "),
             [foot[0] + 12.0, foot[1] - 24.0],
             (1, 0),
             LABEL,

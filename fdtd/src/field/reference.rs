@@ -20,6 +20,8 @@ pub struct ReferenceField {
     layer_x: Vec<f32>,
     layer_y: Vec<f32>,
     surfaces: Vec<f32>,
+    /// What the layers take the second difference of, for the cells of three rows or of one with its neighbours.
+    layered: [Vec<f32>; 3],
 }
 
 impl ReferenceField {
@@ -34,6 +36,7 @@ impl ReferenceField {
             layer_x: vec![0.0; setup.ny * 6 * width],
             layer_y: vec![0.0; 2 * cells * 3 * setup.nx],
             surfaces: vec![0.0; setup.walls.surface_count()],
+            layered: std::array::from_fn(|_| vec![0.0; setup.nx]),
             setup,
         }
     }
@@ -88,55 +91,42 @@ impl ReferenceField {
                     next,
                 ),
             }
-            let courant2 = self.setup.courant2;
+            let (scheme, courant2) = (self.setup.scheme, self.setup.courant2);
             let weights = Splat::new(&self.setup.weights);
-            // What the layer takes the second difference of, around a cell whose neighbours `at(along, across)` gives.
-            let layered = |at: &dyn Fn(isize, isize) -> f32| match self.setup.scheme {
-                Scheme::Slf => at(0, 0),
-                Scheme::M13 | Scheme::O13 => {
-                    weights.m13_layer(at(0, 0), [at(-1, 0), at(1, 0)], [at(0, -1), at(0, 1)])
-                }
-                Scheme::D25 => weights.d25_layer(
-                    at(0, 0),
-                    [[at(-1, 0), at(1, 0)], [at(-2, 0), at(2, 0)]],
-                    [at(0, -1), at(0, 1)],
-                    [[at(-1, -1), at(-1, 1)], [at(1, -1), at(1, 1)]],
-                ),
-            };
-            let cell = |x: isize, dy: isize| {
-                self.now[(start as isize + dy * stride as isize + x) as usize]
-            };
             if let (Some(decay), Some(at)) =
                 (self.setup.layer.row(ny, iy), layer_row(cells, ny, iy))
             {
-                let memory = &mut self.layer_y[at * 3 * nx..(at + 1) * 3 * nx];
-                for ix in 0..nx {
-                    let layered = |dy: isize| {
-                        layered(&|along, across| cell(ix as isize + across, dy + along))
+                for (dy, layered) in [-1, 0, 1].into_iter().zip(&mut self.layered) {
+                    let at = |along: isize, across: isize| {
+                        &row(dy + along)[(RIM as isize + across) as usize..]
                     };
-                    let here = layered(0);
-                    let slopes = [here - layered(-1), layered(1) - here];
-                    let old = std::array::from_fn(|k| memory[k * nx + ix]);
-                    let (new, change) = layer(slopes, decay, old);
-                    (0..3).for_each(|k| memory[k * nx + ix] = new[k]);
-                    next[ix] = courant2.mul_add(change, next[ix]);
+                    layered_row(scheme, &weights, at, layered);
                 }
+                let memory = &mut self.layer_y[at * 3 * nx..(at + 1) * 3 * nx];
+                let [lower, here, upper] = &self.layered;
+                let decay = |_| decay;
+                absorb([lower, here, upper], decay, memory, courant2, next);
             }
             let sides = [(&self.setup.layer, 0), (&self.high, nx - width)];
             let memory = self.layer_x[iy * 6 * width..(iy + 1) * 6 * width]
                 .chunks_exact_mut(3 * width.max(1));
             for ((profile, first), memory) in sides.into_iter().zip(memory) {
-                for i in 0..width {
-                    let x = (first + i) as isize;
-                    let layered = |x: isize| layered(&|along, across| cell(x + along, across));
-                    let here = layered(x);
-                    let slopes = [here - layered(x - 1), layered(x + 1) - here];
-                    let old = std::array::from_fn(|k| memory[k * width + i]);
-                    let decay = [profile.face[i], profile.face[i + 1], profile.cell[i]];
-                    let (new, change) = layer(slopes, decay, old);
-                    (0..3).for_each(|k| memory[k * width + i] = new[k]);
-                    next[first + i] = courant2.mul_add(change, next[first + i]);
-                }
+                let at = |along: isize, across: isize| {
+                    &row(across)[((RIM + first) as isize - 1 + along) as usize..]
+                };
+                let layered = &mut self.layered[0][..width + 2];
+                layered_row(scheme, &weights, at, layered);
+                let layered = [&layered[..width], &layered[1..=width], &layered[2..]];
+                let (lower, upper) = (&profile.face[..width], &profile.face[1..=width]);
+                let cell = &profile.cell[..width];
+                let decay = |i: usize| [lower[i], upper[i], cell[i]];
+                absorb(
+                    layered,
+                    decay,
+                    memory,
+                    courant2,
+                    &mut next[first..first + width],
+                );
             }
             for correction in &self.setup.walls.corrections[iy] {
                 let mut sum = 0.0_f32;
@@ -155,6 +145,65 @@ impl ReferenceField {
                 next[ix] = 0.0;
             }
         }
+    }
+}
+
+/// What the layer takes the second difference of, for neighbouring cells of a row; `at(along, across)` gives the cells from the
+/// first one on, shifted along the absorbed axis and across it.
+#[inline(always)]
+fn layered_row<'a>(
+    scheme: Scheme,
+    w: &Splat<f32>,
+    at: impl Fn(isize, isize) -> &'a [f32],
+    layered: &mut [f32],
+) {
+    let n = layered.len();
+    let cells = |along, across| &at(along, across)[..n];
+    let here = cells(0, 0);
+    if scheme == Scheme::Slf {
+        return layered.copy_from_slice(here);
+    }
+    let (low, high, left, right) = (cells(-1, 0), cells(1, 0), cells(0, -1), cells(0, 1));
+    if scheme == Scheme::D25 {
+        let (lower, higher) = (cells(-2, 0), cells(2, 0));
+        let corners = [[-1, -1], [-1, 1], [1, -1], [1, 1]];
+        let [a, b, c, d] = corners.map(|[along, across]| cells(along, across));
+        for i in 0..n {
+            layered[i] = w.d25_layer(
+                here[i],
+                [[low[i], high[i]], [lower[i], higher[i]]],
+                [left[i], right[i]],
+                [[a[i], b[i]], [c[i], d[i]]],
+            );
+        }
+        return;
+    }
+    for i in 0..n {
+        layered[i] = w.m13_layer(here[i], [low[i], high[i]], [left[i], right[i]]);
+    }
+}
+
+/// What the layer adds to neighbouring cells `next` of a row, from what it takes the second difference of below, at and above
+/// them; `memory` holds that of their lower faces, then upper faces, then their own.
+#[inline(always)]
+fn absorb(
+    [lower, here, upper]: [&[f32]; 3],
+    decay: impl Fn(usize) -> [f32; 3],
+    memory: &mut [f32],
+    courant2: f32,
+    next: &mut [f32],
+) {
+    let n = next.len();
+    let (lower, here, upper) = (&lower[..n], &here[..n], &upper[..n]);
+    let (memory_lower, rest) = memory.split_at_mut(n);
+    let (memory_upper, memory_cell) = rest.split_at_mut(n);
+    let memory_cell = &mut memory_cell[..n];
+    for i in 0..n {
+        let slopes = [here[i] - lower[i], upper[i] - here[i]];
+        let old = [memory_lower[i], memory_upper[i], memory_cell[i]];
+        let (new, change) = layer(slopes, decay(i), old);
+        [memory_lower[i], memory_upper[i], memory_cell[i]] = new;
+        next[i] = courant2.mul_add(change, next[i]);
     }
 }
 
@@ -180,11 +229,12 @@ fn m13_row(
     let (north, far_north) = (&north[..width], &far_north[..width]);
     for (i, p) in next.iter_mut().enumerate() {
         let x = i + RIM;
-        let column = |x: usize| w.m13_column(here[x], south[x] + north[x]);
+        let west = w.m13_column(here[x - 1], south[x - 1] + north[x - 1]);
+        let east = w.m13_column(here[x + 1], south[x + 1] + north[x + 1]);
         *p = w.m13(
             here[x],
             south[x] + north[x],
-            [column(x - 1), column(x + 1)],
+            [west, east],
             [here[x - 2], here[x + 2]],
             [far_south[x], far_north[x]],
             *p,
@@ -198,13 +248,27 @@ fn d25_row(w: &Splat<f32>, rows: [&[f32]; 7], next: &mut [f32]) {
     let [s3, s2, s1, here, n1, n2, n3] = rows.map(|row| &row[..width]);
     for (i, p) in next.iter_mut().enumerate() {
         let x = i + RIM;
-        let near = |x: usize| s1[x] + n1[x];
-        let far = |x: usize| s2[x] + n2[x];
-        let sides = |x: usize| w.d25_sides(here[x], [near(x), far(x)]);
-        let sum = w.d25_first(here[x - 3], *p) + sides(x - 2)[1] + sides(x - 1)[0];
-        let sum = w.d25_own(here[x], [near(x), far(x), s3[x] + n3[x]], sum);
-        *p = w.d25_last(here[x + 3], sum + sides(x + 1)[0] + sides(x + 2)[1]);
+        let column = [s2, s1, here, n1, n2];
+        let west = [
+            d25_sides(w, column, x - 2)[1],
+            d25_sides(w, column, x - 1)[0],
+        ];
+        let east = [
+            d25_sides(w, column, x + 1)[0],
+            d25_sides(w, column, x + 2)[1],
+        ];
+        let own = [s1[x] + n1[x], s2[x] + n2[x], s3[x] + n3[x]];
+        let sum = w.d25_first(here[x - 3], *p) + west[0] + west[1];
+        let sum = w.d25_own(here[x], own, sum) + east[0] + east[1];
+        *p = w.d25_last(here[x + 3], sum);
     }
+}
+
+/// What the cells of a column give to the columns beside it. Not a closure: one that is not inlined is compiled without fused
+/// multiply-adds.
+#[inline(always)]
+fn d25_sides(w: &Splat<f32>, [s2, s1, here, n1, n2]: [&[f32]; 5], x: usize) -> [f32; 2] {
+    w.d25_sides(here[x], [s1[x] + n1[x], s2[x] + n2[x]])
 }
 
 impl Field for ReferenceField {

@@ -45,7 +45,7 @@ pub struct Laboratory {
     /// Its cells.
     pub plan: Plan,
     /// The scene.
-    pub scene: Scene,
+    pub scene: Arc<Scene>,
     /// The robot whose instruments the recordings get.
     pub robot: Option<Robot>,
     /// Parameters of the localizer at the preset's default window and periods.
@@ -87,7 +87,7 @@ impl Laboratory {
 
     /// Loads the scene of a plan.
     fn with(request: &Request, plan: Plan, results: PathBuf) -> Result<Self> {
-        let scene = Scene::load(&plan.scene)?;
+        let scene = Arc::new(Scene::load(&plan.scene)?);
         let robot = plan.robot.as_deref().map(Robot::read).transpose()?;
         let parameters = Parameters {
             window_half_width_m: plan.half_width_m,
@@ -186,24 +186,36 @@ impl Laboratory {
         recording_key(&self.scene, take, &print)
     }
 
-    /// Simulates those of the takes that are not in the cache.
+    /// The simulations of those of the takes that are not in the cache, each once.
     ///
     /// # Errors
-    /// When a simulation fails or is interrupted.
-    pub fn record(&self, takes: &[Take]) -> Result<()> {
+    /// When the scene has no such path or the engine does not run.
+    pub fn missing(&self, takes: &[Take]) -> Result<Vec<Job>> {
         let mut jobs: BTreeMap<String, Job> = BTreeMap::new();
         for take in takes {
             let key = self.key(take)?;
             if !self.cache.recording(&key).is_dir() {
                 let label = self.label(take);
-                let take = take.clone();
-                jobs.insert(key.clone(), Job { label, key, take });
+                let (scene, take) = (Arc::clone(&self.scene), take.clone());
+                let job = Job {
+                    label,
+                    key: key.clone(),
+                    scene,
+                    take,
+                };
+                jobs.insert(key, job);
             }
         }
-        let jobs: Vec<Job> = jobs.into_values().collect();
+        Ok(jobs.into_values().collect())
+    }
+
+    /// Simulates into the cache, also what other laboratories with the same cache miss.
+    ///
+    /// # Errors
+    /// When a simulation fails or is interrupted.
+    pub fn simulate(&self, jobs: &[Job]) -> Result<()> {
         schedule::run(
-            &self.scene,
-            &jobs,
+            jobs,
             &self.cache,
             self.threads,
             self.request.side_by_side,

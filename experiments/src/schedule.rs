@@ -3,7 +3,7 @@
 mod lanes;
 
 use std::collections::VecDeque;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow};
@@ -26,6 +26,8 @@ pub struct Job {
     pub label: String,
     /// Key in the cache.
     pub key: String,
+    /// Where it is recorded.
+    pub scene: Arc<Scene>,
     /// What is recorded.
     pub take: Take,
 }
@@ -102,7 +104,6 @@ pub fn estimate(scene: &Scene, take: &Take, threads: usize) -> Result<Estimate> 
 /// # Errors
 /// [`interrupt::Interrupted`], or the first job's error.
 pub fn run(
-    scene: &Scene,
     jobs: &[Job],
     cache: &Cache,
     threads: usize,
@@ -112,34 +113,40 @@ pub fn run(
     if jobs.is_empty() {
         return Ok(());
     }
-    let wanted = match side_by_side {
-        Some(wanted) => wanted,
-        None => lanes::choose(scene, jobs, threads, board)?,
-    };
-    let lanes = wanted.clamp(1, jobs.len()).min(threads.max(1));
-    let share = (threads / lanes).max(1);
-    let mut seconds_total = 0.0;
-    let mut order: Vec<(f64, &Job)> = Vec::new();
-    for job in jobs {
-        if job.take.engine != Engine::Fdtd {
-            order.push((0.0, job));
-            continue;
+    let known = side_by_side.map(|wanted| wanted.clamp(1, jobs.len()).min(threads.max(1)));
+    let (field, quick): (Vec<&Job>, Vec<&Job>) =
+        jobs.iter().partition(|job| job.take.engine == Engine::Fdtd);
+    let measured = (threads / known.unwrap_or(1)).max(1);
+    let mut estimates = Vec::with_capacity(field.len());
+    for job in &field {
+        estimates.push(estimate(&job.scene, &job.take, measured)?);
+    }
+    let mut order: Vec<(f64, &Job)> = estimates.iter().map(|e| e.seconds).zip(field).collect();
+    let (lanes, slower) = match known {
+        Some(lanes) => (lanes, 1.0),
+        None if order.is_empty() => (threads.clamp(1, 2), 1.0),
+        None => {
+            let lanes = lanes::choose(&order, threads, board)?;
+            (lanes.count, lanes.slower)
         }
-        let estimate = estimate(scene, &job.take, share)?;
-        order.push((estimate.seconds, job));
+    };
+    let share = (threads / lanes).max(1);
+    for ((_, job), mut estimate) in order.iter().zip(estimates) {
+        estimate.seconds *= slower;
         board.say(format!(
             "simulate {}: {estimate} on {share} thread(s)",
             job.label
         ));
-        seconds_total += estimate.seconds / lanes as f64;
     }
-    if seconds_total > 0.0 {
+    let seconds: f64 = order.iter().map(|(seconds, _)| seconds * slower).sum();
+    if seconds > 0.0 {
         board.say(format!(
             "{} simulation(s), {lanes} side by side: about {} in all; interrupt at any time, the same command goes on",
             jobs.len(),
-            duration(seconds_total)
+            duration(seconds / lanes as f64)
         ));
     }
+    order.extend(quick.into_iter().map(|job| (0.0, job)));
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
     let queue: Mutex<VecDeque<&Job>> = Mutex::new(order.into_iter().map(|(_, job)| job).collect());
     let failures: Mutex<Vec<anyhow::Error>> = Mutex::default();
@@ -147,7 +154,7 @@ pub fn run(
         for _ in 0..lanes {
             scope.spawn(|| {
                 while let Some(job) = next(&queue, &failures) {
-                    if let Err(error) = one(scene, job, cache, share, board)
+                    if let Err(error) = one(job, cache, share, board)
                         && let Ok(mut failures) = failures.lock()
                     {
                         failures.push(error.context(format!("simulation of {}", job.label)));
@@ -177,16 +184,17 @@ fn next<'a>(
 }
 
 /// Length of a job's drive.
-fn length_s(scene: &Scene, job: &Job) -> f64 {
-    scene
+fn length_s(job: &Job) -> f64 {
+    job.scene
         .path(&job.take.path)
         .map_or(0.0, |path| path.duration_s())
 }
 
 /// Simulates one job into the cache.
-fn one(scene: &Scene, job: &Job, cache: &Cache, threads: usize, board: &Board) -> Result<()> {
+fn one(job: &Job, cache: &Cache, threads: usize, board: &Board) -> Result<()> {
     interrupt::check()?;
-    let steps = (length_s(scene, job) / scene.grid.dt_s).ceil() as u64;
+    let scene = &job.scene;
+    let steps = (length_s(job) / scene.grid.dt_s).ceil() as u64;
     let task = board.task(&job.label, steps);
     let checkpoint = Checkpoint {
         path: cache.checkpoint(&job.key),

@@ -3,12 +3,10 @@
 
 use std::sync::Barrier;
 
-use anyhow::{Result, anyhow};
-use fdtd::scene::Scene;
-
-use super::{Job, MEASURING_S, length_s, steps_per_second};
+use super::{Job, MEASURING_S, steps_per_second};
 use crate::progress::{Board, duration};
-use crate::simulate::{self, Engine};
+use crate::simulate;
+use anyhow::{Result, anyhow};
 
 /// Steps per second of one simulation in either way.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,49 +17,56 @@ struct Rates {
     beside: f64,
 }
 
-/// How many simulations to run side by side, 1 or 2; tells why.
-///
-/// The longest job is run for a moment in both ways. All jobs are taken to need as much time for a step as it does.
+/// How the simulations of a run share the threads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lanes {
+    /// How many run side by side.
+    pub(super) count: usize,
+    /// How much longer one takes on its share of the threads than alone on all.
+    pub(super) slower: f64,
+}
+
+/// One simulation after the other, or two side by side; tells why. `seconds` says how long each takes alone on all threads; how
+/// much longer beside another is measured on the longest, and taken to hold for all.
 ///
 /// # Errors
-/// When the field refuses the scene.
-pub(super) fn choose(scene: &Scene, jobs: &[Job], threads: usize, board: &Board) -> Result<usize> {
-    let field: Vec<&Job> = jobs
-        .iter()
-        .filter(|job| job.take.engine == Engine::Fdtd)
-        .collect();
-    let longest = field
-        .iter()
-        .max_by(|a, b| length_s(scene, a).total_cmp(&length_s(scene, b)));
-    let Some(longest) = longest.filter(|_| field.len() > 1 && threads > 1) else {
-        return Ok(threads.min(2));
+/// When the field refuses a scene.
+pub(super) fn choose(jobs: &[(f64, &Job)], threads: usize, board: &Board) -> Result<Lanes> {
+    let longest = jobs.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, longest)) = longest.filter(|_| jobs.len() > 1 && threads > 1) else {
+        return Ok(Lanes {
+            count: 1,
+            slower: 1.0,
+        });
     };
-    let rates = measure(scene, longest, threads)?;
-    let steps: Vec<f64> = field
-        .iter()
-        .map(|job| length_s(scene, job) / scene.grid.dt_s)
-        .collect();
-    let (lanes, seconds) = faster(&steps, rates);
+    let rates = measure(longest, threads)?;
+    let seconds: Vec<f64> = jobs.iter().map(|(seconds, _)| *seconds).collect();
+    let (lanes, ends) = faster(&seconds, rates);
     board.say(format!(
         "plan: two simulations side by side on {} thread(s) each would take {}, one after the other on {threads} {} (measured, {:.0} + {:.0} against {:.0} steps/s): {}",
         threads / 2,
-        duration(seconds[1]),
-        duration(seconds[0]),
+        duration(ends[1]),
+        duration(ends[0]),
         rates.beside,
         rates.beside,
         rates.alone,
-        if lanes == 2 { "side by side" } else { "one after the other" },
+        if lanes.count == 2 { "side by side" } else { "one after the other" },
     ));
     Ok(lanes)
 }
 
-/// The number of lanes that ends sooner, and the seconds that one and two of them take.
-fn faster(steps: &[f64], rates: Rates) -> (usize, [f64; 2]) {
-    let seconds = [
-        steps.iter().sum::<f64>() / rates.alone.max(1e-9),
-        makespan(steps, 2) / rates.beside.max(1e-9),
-    ];
-    (if seconds[1] < seconds[0] { 2 } else { 1 }, seconds)
+/// The lanes that end sooner, and when one and when two of them end, for simulations that take these `seconds` alone.
+fn faster(seconds: &[f64], rates: Rates) -> (Lanes, [f64; 2]) {
+    let slower = rates.alone / rates.beside.max(1e-9);
+    let ends = [seconds.iter().sum(), makespan(seconds, 2) * slower];
+    let lanes = match ends[1] < ends[0] {
+        true => Lanes { count: 2, slower },
+        false => Lanes {
+            count: 1,
+            slower: 1.0,
+        },
+    };
+    (lanes, ends)
 }
 
 /// Length of the fullest of some lanes when each takes the longest job left as soon as it is free.
@@ -77,14 +82,14 @@ fn makespan(lengths: &[f64], lanes: usize) -> f64 {
 }
 
 /// Runs a job for a moment alone on all threads, then two of it at the same time on half of the threads each.
-fn measure(scene: &Scene, job: &Job, threads: usize) -> Result<Rates> {
+fn measure(job: &Job, threads: usize) -> Result<Rates> {
     let alone = steps_per_second(
-        &mut simulate::prepare(scene, &job.take, threads)?,
+        &mut simulate::prepare(&job.scene, &job.take, threads)?,
         MEASURING_S,
     )?;
     let mut pair = [
-        simulate::prepare(scene, &job.take, threads / 2)?,
-        simulate::prepare(scene, &job.take, threads / 2)?,
+        simulate::prepare(&job.scene, &job.take, threads / 2)?,
+        simulate::prepare(&job.scene, &job.take, threads / 2)?,
     ];
     let start = Barrier::new(pair.len());
     let rates = std::thread::scope(|scope| {
@@ -119,11 +124,11 @@ mod tests {
 
     #[test]
     fn side_by_side_wins_when_two_shares_are_faster_and_the_jobs_divide_evenly() {
-        let rates = |alone, beside| Rates { alone, beside };
-        assert_eq!(faster(&[100.0, 100.0], rates(10.0, 6.0)).0, 2);
-        assert_eq!(faster(&[100.0, 100.0], rates(10.0, 4.0)).0, 1);
+        let ends = |seconds: &[f64], alone, beside| faster(seconds, Rates { alone, beside });
+        assert_eq!(ends(&[10.0, 10.0], 10.0, 6.0).0.count, 2);
+        assert_eq!(ends(&[10.0, 10.0], 10.0, 4.0).0.count, 1);
         // A short job leaves its lane idle while the long one runs on half of the threads.
-        assert_eq!(faster(&[100.0, 10.0], rates(10.0, 6.0)).0, 1);
-        assert_eq!(faster(&[60.0, 60.0], rates(10.0, 6.0)), (2, [12.0, 10.0]));
+        assert_eq!(ends(&[10.0, 1.0], 10.0, 6.0).0.count, 1);
+        assert_eq!(ends(&[6.0, 6.0], 9.0, 6.0).1, [12.0, 9.0]);
     }
 }

@@ -6,13 +6,20 @@ use anyhow::{Context, Result};
 use super::{layout, note_simulations, odometry_drift, reflections, snr, window_size};
 use crate::interrupt;
 use crate::laboratory::Laboratory;
+use crate::schedule::Job;
 use crate::summary::{Site, Summary};
+
+/// The simulations that the site still needs.
+pub(crate) fn missing(lab: &Laboratory) -> Result<Vec<Job>> {
+    let site = lab.site()?;
+    site.missing(&snr::takes(&site))
+}
 
 /// Runs the study: the other studies do the work, in the site's own laboratory.
 pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     let site = lab.site()?;
     let takes = snr::takes(&site);
-    site.record(&takes)?;
+    site.simulate(&site.missing(&takes)?)?;
     note_simulations(&site, &takes, summary)?;
     let mut own = Summary::new(lab.preset);
     for study in [

@@ -1,0 +1,136 @@
+//! Data of the figures: dispersion of the schemes, and the scene's echoes beside its image sources.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use anyhow::Result;
+use fdtd::scheme::Scheme;
+use fdtd::validation::rig::{AIR, DT_S, DX_M};
+use fdtd::validation::{Depth, dispersion, scene_echoes};
+
+use crate::table::{Table, cell};
+
+/// Directions of the curves of the dispersion relation, degrees.
+const ANGLES_DEG: [f64; 3] = [0.0, 22.5, 45.0];
+
+/// Curves of the dispersion relation on the papers' grid.
+pub(super) fn curves() -> Table {
+    let header = [
+        "scheme",
+        "angle_deg",
+        "frequency_hz",
+        "phase_error",
+        "group_error",
+    ];
+    let mut table = Table::new(header);
+    for scheme in Scheme::ALL {
+        let grid = scheme.polynomial(AIR.c_mps * DT_S / DX_M);
+        for angle_deg in ANGLES_DEG {
+            for step in 1..=76 {
+                let frequency_hz = 250.0 * f64::from(step);
+                let (omega_dt, angle_rad) = (TAU * frequency_hz * DT_S, angle_deg.to_radians());
+                let velocities = grid
+                    .phase_velocity(omega_dt, angle_rad)
+                    .zip(grid.group_velocity(omega_dt, angle_rad));
+                if let Some((phase, group)) = velocities {
+                    table.push([
+                        scheme.to_string(),
+                        angle_deg.to_string(),
+                        cell(frequency_hz, 0),
+                        cell(phase - 1.0, 7),
+                        cell(group - 1.0, 7),
+                    ]);
+                }
+            }
+        }
+    }
+    table
+}
+
+/// Phase velocities measured on the field.
+pub(super) fn measured(depth: Depth) -> Result<Table> {
+    let header = ["scheme", "angle_deg", "frequency_hz", "phase_error"];
+    let mut table = Table::new(header);
+    for velocity in dispersion::all(depth)? {
+        table.push([
+            velocity.scheme.to_string(),
+            cell(velocity.angle_rad.to_degrees(), 1),
+            cell(velocity.frequency_hz, 0),
+            cell(velocity.expected * (1.0 + velocity.error) - 1.0, 7),
+        ]);
+    }
+    Ok(table)
+}
+
+/// Echoes of the scene, field and images: the signals at a place of the whole scene, and what every echo that stands alone is off.
+pub(super) fn scene_echoes(depth: Depth, data: &Path) -> Result<()> {
+    let places = scene_echoes::places(depth)?;
+    let mut signal = Table::new(["t_ms", "field_pa", "images_pa"]);
+    if let Some(place) = places.iter().find(|place| place.whole) {
+        // At 60 kHz, from the burst's peak on.
+        let since_s = |n: usize| n as f64 * DT_S - scene_echoes::burst().centre_s;
+        for n in (0..place.heard.len())
+            .step_by(2)
+            .filter(|&n| since_s(n) >= 0.0)
+        {
+            signal.push([
+                cell(1e3 * since_s(n), 4),
+                format!("{:.4e}", place.heard[n]),
+                format!("{:.4e}", place.images[n]),
+            ]);
+        }
+    }
+    signal.write(&data.join("scene_signal.csv"))?;
+    let header = [
+        "x_m",
+        "y_m",
+        "scene",
+        "kind",
+        "walls",
+        "length_m",
+        "louder_db",
+        "late_us",
+        "late_on_c_us",
+    ];
+    let mut table = Table::new(header);
+    for place in &places {
+        for echo in &place.echoes {
+            table.push([
+                cell(place.place_m[0], 4),
+                cell(place.place_m[1], 4),
+                if place.whole {
+                    "all walls"
+                } else {
+                    "pair along the grid"
+                }
+                .to_string(),
+                echo.kind.name().to_string(),
+                if echo.along_grid {
+                    "along the grid"
+                } else {
+                    "slanted"
+                }
+                .to_string(),
+                cell(echo.length_m, 4),
+                cell(echo.louder_db, 3),
+                cell(1e6 * echo.late_s, 2),
+                cell(1e6 * echo.late_on_c_s, 1),
+            ]);
+        }
+    }
+    table.write(&data.join("scene_echoes.csv"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curves_hold_every_scheme() {
+        let table = curves();
+        assert_eq!(
+            table.distinct("scheme").unwrap(),
+            ["slf", "m13", "o13", "d25"]
+        );
+    }
+}

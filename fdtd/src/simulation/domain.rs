@@ -130,4 +130,9 @@ impl Extent {
             self.high[axis] = self.high[axis].max(other.high[axis]);
         }
     }
+
+    /// The longer of its two sides.
+    pub(super) fn width(&self) -> f64 {
+        (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])
+    }
 }

@@ -322,13 +322,7 @@ impl Simulation {
 
     /// Microphone pressure in Pa at the field's rate so far; entry `n` is at time `n dt`.
     pub fn received(&self) -> Vec<f32> {
-        let pieces = self.plan.pieces[..=self.piece].iter();
-        let listened = pieces.flat_map(|piece| {
-            let first = 1 + piece.before + (piece.from - piece.start);
-            let end = (1 + piece.before + piece.steps()).min(self.heard.len() as u64);
-            &self.heard[first.min(end) as usize..end as usize]
-        });
-        self.heard[..1].iter().chain(listened).copied().collect()
+        self.plan.join(&self.heard)
     }
 
     /// Microphone signal in Pa, anti-aliased and at the sampling rate; sample `k` is at time `k / f_s`. Complete once the

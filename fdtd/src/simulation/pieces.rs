@@ -1,11 +1,12 @@
 //! A free-field drive in pieces of time, each in a small domain around where the drive is then.
 //!
 //! Without walls nothing comes back: what the microphone hears now left the loudspeaker a moment ago, and cells far from both
-//! cannot matter. Each piece starts from silence some time before it is listened to. The source rises from zero in a smooth
-//! ramp, and the rest of the warm-up lets die away what the ramp itself sent out.
+//! cannot matter. Each piece starts from silence some time before it is listened to. In this warm-up the source rises from zero
+//! in a smooth ramp, and what the ramp itself sent out passes the microphone and goes into the layer; then the piece before it
+//! fades out and it fades in, for the two differ by rounding errors of a few hertz, in which a step would be heard.
 //!
 //! A piece's window is a whole number of cells away from the domain's origin, so that source and receiver keep their places within
-//! a cell to the last bit.
+//! a cell to the last bit. All times are multiples of the time that sound takes across a window, so that they suit any grid.
 
 use super::Domain;
 use super::domain::Extent;
@@ -13,18 +14,20 @@ use crate::field::FieldSetup;
 use crate::grid::Grid;
 use crate::walls::WallCells;
 
-/// Time over which a piece's source rises, seconds.
-const RAMP_S: f64 = 0.010;
+/// Time between a piece's first step and the first that is its own, in crossings of a window: about 10 ms on the papers' grid. Measured
+/// there, a quarter of it gives the same signal within the layers' error.
+const WARM_UP_CROSSINGS: f64 = 8.0;
 
-/// Time between a piece's first step and the first that is listened to, seconds.
-const WARM_UP_S: f64 = 0.020;
+/// Parts of the warm-up in which the source rises, and in which the piece fades in.
+const RAMP_PART: f64 = 0.5;
+const FADE_PART: f64 = 0.25;
 
-/// Time by which pieces are measured out, seconds; instants within it at which the drive's place is looked up.
-const TICK_S: f64 = 0.005;
+/// Time by which pieces are measured out, in crossings of a window without drive; places that are looked up in it.
+const TICK_CROSSINGS: f64 = 4.0;
 const INSTANTS: u64 = 5;
 
-/// A step costs as much as this many cells, however small the domain: forcing, and the start of each row.
-const STEP_COST_CELLS: u64 = 2000;
+/// A row costs as much as this many further cells: the layers at its ends, and its start (fast engine, 13-point stencil).
+const ROW_COST_CELLS: u64 = 300;
 
 /// Cells of a piece, counted from the domain's first; a window may reach beyond the domain, where there is nothing but air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +51,8 @@ pub(super) struct Piece {
     pub(super) before: u64,
     /// Steps over which the source rises; none at the drive's own beginning.
     pub(super) ramp: u64,
+    /// Last steps of the warm-up, over which the signal goes over from the piece before.
+    pub(super) fade: u64,
 }
 
 impl Piece {
@@ -56,8 +61,9 @@ impl Piece {
         self.to - self.start
     }
 
-    fn cells(&self) -> u64 {
-        (self.window.nx * self.window.ny) as u64
+    /// Work of the piece, in cells times steps.
+    fn cost(&self) -> u64 {
+        self.steps() * self.window.ny as u64 * (self.window.nx as u64 + ROW_COST_CELLS)
     }
 }
 
@@ -83,6 +89,7 @@ impl Plan {
                 to: steps,
                 before: 0,
                 ramp: 0,
+                fade: 0,
             }],
         }
     }
@@ -97,12 +104,13 @@ impl Plan {
         let whole = Self::whole(domain, steps);
         let ticks = Ticks::new(domain, steps, points);
         // Each length is half as long again as the one before.
-        let lengths = std::iter::successors(Some(ticks.of_seconds(WARM_UP_S)), |length| {
-            Some(length + length.div_ceil(2))
-        });
+        let lengths =
+            std::iter::successors(Some(1 + ticks.warm_up / ticks.steps_per_tick), |length| {
+                Some(length + length.div_ceil(2))
+            });
         lengths
-            .take_while(|&length| length < ticks.extents.len())
-            .map(|length| ticks.plan(domain, length))
+            .take_while(|&length| (length as usize) < ticks.extents.len())
+            .map(|length| ticks.plan(domain, length as usize))
             .fold(whole, |best, plan| match plan.cost() < best.cost() {
                 true => plan,
                 false => best,
@@ -128,6 +136,7 @@ impl Plan {
                 piece.from,
                 piece.to,
                 piece.ramp,
+                piece.fade,
             ]
         })
     }
@@ -172,12 +181,29 @@ impl Plan {
         )
     }
 
-    /// Work, in cells times steps.
+    /// Work of the run, in cells times steps.
     fn cost(&self) -> u64 {
-        let costs = self.pieces.iter();
-        costs
-            .map(|piece| piece.steps() * (piece.cells() + STEP_COST_CELLS))
-            .sum()
+        self.pieces.iter().map(Piece::cost).sum()
+    }
+
+    /// The drive's signal from what was heard so far in all pieces one after the other: entry `n` of either after `n` steps, the first silent.
+    pub(super) fn join(&self, heard: &[f32]) -> Vec<f32> {
+        let mut joined = heard[..1].to_vec();
+        for piece in &self.pieces {
+            let end = heard.len().min((1 + piece.before + piece.steps()) as usize);
+            let first = 1 + piece.before as usize;
+            let own = first + (piece.from - piece.start) as usize;
+            if end > own - piece.fade as usize {
+                let fading = &heard[own - piece.fade as usize..end.min(own)];
+                let at = joined.len() - piece.fade as usize;
+                for (k, (before, now)) in joined[at..].iter_mut().zip(fading).enumerate() {
+                    let share = (k as f32 + 0.5) / piece.fade as f32;
+                    *before += share * (now - *before);
+                }
+            }
+            joined.extend_from_slice(&heard[own.min(end)..end]);
+        }
+        joined
     }
 }
 
@@ -185,59 +211,64 @@ impl Plan {
 struct Ticks {
     steps: u64,
     steps_per_tick: u64,
-    dt_s: f64,
+    /// Steps of a piece's warm-up.
+    warm_up: u64,
     extents: Vec<Extent>,
 }
 
 impl Ticks {
     fn new(domain: &Domain, steps: u64, points: &dyn Fn(f64) -> [[f64; 2]; 2]) -> Self {
-        let dt_s = domain.grid.dt_s;
-        let steps_per_tick = ((TICK_S / dt_s).round() as u64).max(1);
+        let courant = domain.grid.courant(&domain.medium);
+        let margins = 2.0 * domain.margin_cells() as f64;
+        let steps_per_tick = (TICK_CROSSINGS * margins / courant).ceil() as u64;
         let extent = |tick: u64| {
             let mut extent = Extent::default();
             for instant in 0..=INSTANTS {
                 let step = (tick as f64 + instant as f64 / INSTANTS as f64) * steps_per_tick as f64;
-                extent.add(&domain.grid, points(step * dt_s));
+                extent.add(&domain.grid, points(step * domain.grid.dt_s));
             }
             extent
         };
+        let extents: Vec<Extent> = (0..steps.div_ceil(steps_per_tick)).map(extent).collect();
+        // Loudspeaker and microphone may be far apart.
+        let widest = extents
+            .iter()
+            .fold(0.0, |widest, extent| extent.width().max(widest));
         Self {
             steps,
             steps_per_tick,
-            dt_s,
-            extents: (0..steps.div_ceil(steps_per_tick)).map(extent).collect(),
+            warm_up: (WARM_UP_CROSSINGS * (margins + widest) / courant).ceil() as u64,
+            extents,
         }
-    }
-
-    fn of_seconds(&self, time_s: f64) -> usize {
-        (time_s / (self.steps_per_tick as f64 * self.dt_s)).ceil() as usize
     }
 
     /// Pieces of `length` ticks.
     fn plan(&self, domain: &Domain, length: usize) -> Plan {
-        let warm_up = self.of_seconds(WARM_UP_S);
         let count = self.extents.len().div_ceil(length);
         let mut pieces = Vec::with_capacity(count);
         let mut before = 0;
         for index in 0..count {
-            let from = index * length;
-            let to = (from + length).min(self.extents.len());
-            let start = from.saturating_sub(warm_up);
+            let [first, end] = [index, index + 1].map(|k| (k * length).min(self.extents.len()));
+            let from = first as u64 * self.steps_per_tick;
+            let to = (end as u64 * self.steps_per_tick).min(self.steps);
+            let start = from.saturating_sub(self.warm_up);
             let mut extent = Extent::default();
-            for tick in &self.extents[start..to] {
+            for tick in &self.extents[(start / self.steps_per_tick) as usize..end] {
                 extent.join(tick);
             }
+            // The drive's own beginning is what it is.
+            let part = |part: f64| match index {
+                0 => 0,
+                _ => (part * self.warm_up as f64) as u64,
+            };
             let piece = Piece {
                 window: Window::around(&extent, domain),
-                start: start as u64 * self.steps_per_tick,
-                from: from as u64 * self.steps_per_tick,
-                to: (to as u64 * self.steps_per_tick).min(self.steps),
+                start,
+                from,
+                to,
                 before,
-                ramp: if start > 0 {
-                    (RAMP_S / self.dt_s).round() as u64
-                } else {
-                    0
-                },
+                ramp: part(RAMP_PART),
+                fade: part(FADE_PART),
             };
             before += piece.steps();
             pieces.push(piece);

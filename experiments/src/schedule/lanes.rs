@@ -6,7 +6,7 @@ use std::sync::Barrier;
 use anyhow::{Result, anyhow};
 use fdtd::scene::Scene;
 
-use super::{Job, MEASURING_S, length_s, steps_per_second};
+use super::{Job, MEASURING_S, steps_per_second};
 use crate::progress::{Board, duration};
 use crate::simulate::{self, Engine};
 
@@ -21,25 +21,27 @@ struct Rates {
 
 /// How many simulations to run side by side, 1 or 2; tells why.
 ///
-/// The longest job is run for a moment in both ways. All jobs are taken to need as much time for a step as it does.
+/// The largest job is run for a moment in both ways. The others are taken to need as much time for their work as it does:
+/// steps of a free field are those of small domains.
 ///
 /// # Errors
 /// When the field refuses the scene.
 pub(super) fn choose(scene: &Scene, jobs: &[Job], threads: usize, board: &Board) -> Result<usize> {
-    let field: Vec<&Job> = jobs
-        .iter()
-        .filter(|job| job.take.engine == Engine::Fdtd)
-        .collect();
-    let longest = field
-        .iter()
-        .max_by(|a, b| length_s(scene, a).total_cmp(&length_s(scene, b)));
-    let Some(longest) = longest.filter(|_| field.len() > 1 && threads > 1) else {
+    let mut field: Vec<(&Job, u64, u64)> = Vec::new();
+    for job in jobs.iter().filter(|job| job.take.engine == Engine::Fdtd) {
+        let simulation = simulate::prepare(scene, &job.take, 1)?;
+        field.push((job, simulation.work(), simulation.steps_total()));
+    }
+    let largest = field.iter().max_by_key(|(_, work, _)| *work);
+    let Some(&(largest, work, steps)) = largest.filter(|_| field.len() > 1 && threads > 1) else {
         return Ok(threads.min(2));
     };
-    let rates = measure(scene, longest, threads)?;
+    let rates = measure(scene, largest, threads)?;
+    // All work in steps of the largest job.
+    let per_step = work as f64 / steps as f64;
     let steps: Vec<f64> = field
         .iter()
-        .map(|job| length_s(scene, job) / scene.grid.dt_s)
+        .map(|(_, work, _)| *work as f64 / per_step)
         .collect();
     let (lanes, seconds) = faster(&steps, rates);
     board.say(format!(

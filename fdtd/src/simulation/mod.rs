@@ -3,45 +3,24 @@
 mod checkpoint;
 mod domain;
 mod drive;
+mod options;
 mod pieces;
+mod ticks;
 
 pub use domain::Domain;
 pub use drive::{Drive, SOURCE_STRENGTH_M2PS};
+pub use options::SimulationOptions;
 
 use crate::Error;
 use crate::decimate::Decimator;
 use crate::field::{FastField, Field, ReferenceField, StepForcing};
 use crate::scene::Scene;
-use crate::scheme::Scheme;
-use crate::spread::Spread;
-use crate::walls::WallModel;
 use crate::waveform::PeriodicWaveform;
 
 use pieces::Plan;
 
 /// Steps between two calls of the observer.
 const CHUNK: u64 = 256;
-
-/// Choices of a run that are not the scene's.
-#[derive(Debug, Clone, Default)]
-pub struct SimulationOptions {
-    /// Scheme instead of the scene's.
-    pub scheme: Option<Scheme>,
-    /// Spreading kernel instead of the scene's.
-    pub spread: Option<Spread>,
-    /// How walls become cells, instead of the scene's way.
-    pub wall_model: Option<WallModel>,
-    /// Threads; 0 for all cores.
-    pub threads: usize,
-    /// Without walls, in pieces of time whose domains are cropped to where the drive is then.
-    pub free_field: bool,
-    /// A free field in one piece, cropped to the whole drive: what the pieces are measured against.
-    pub undivided: bool,
-    /// Source strength times the time since the middle of the drive, which tells travel times ([`crate::medium::absorbed`]).
-    pub stamped: bool,
-    /// Use the plain engine, the oracle of the fast one.
-    pub reference_engine: bool,
-}
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -287,6 +266,16 @@ impl Simulation {
     /// Time of the drive that the field has come to, seconds. Goes back when a piece of a free field warms up.
     pub fn time_s(&self) -> f64 {
         self.drive_step() as f64 * self.domain.grid.dt_s
+    }
+
+    /// Whether what is heard now belongs to the signal, not to the warm-up of a piece of a free field.
+    pub fn is_listening(&self) -> bool {
+        self.drive_step() > self.plan.pieces[self.piece].from
+    }
+
+    /// Work of the whole run in cells times steps, which tells what it costs beside another one; rows count more than their cells.
+    pub fn work(&self) -> u64 {
+        self.plan.cost()
     }
 
     /// Cells of the domain; of the largest piece's for a free-field run.

@@ -10,21 +10,10 @@
 
 use super::Domain;
 use super::domain::Extent;
+use super::ticks::Ticks;
 use crate::field::FieldSetup;
 use crate::grid::Grid;
 use crate::walls::WallCells;
-
-/// Time between a piece's first step and the first that is its own, in crossings of a window: about 10 ms on the papers' grid. Measured
-/// there, a quarter of it gives the same signal within the layers' error.
-const WARM_UP_CROSSINGS: f64 = 8.0;
-
-/// Parts of the warm-up in which the source rises, and in which the piece fades in.
-const RAMP_PART: f64 = 0.5;
-const FADE_PART: f64 = 0.25;
-
-/// Time by which pieces are measured out, in crossings of a window without drive; places that are looked up in it.
-const TICK_CROSSINGS: f64 = 4.0;
-const INSTANTS: u64 = 5;
 
 /// A row costs as much as this many further cells: the layers at its ends, and its start (fast engine, 13-point stencil).
 const ROW_COST_CELLS: u64 = 300;
@@ -103,14 +92,9 @@ impl Plan {
     ) -> Self {
         let whole = Self::whole(domain, steps);
         let ticks = Ticks::new(domain, steps, points);
-        // Each length is half as long again as the one before.
-        let lengths =
-            std::iter::successors(Some(1 + ticks.warm_up / ticks.steps_per_tick), |length| {
-                Some(length + length.div_ceil(2))
-            });
+        let lengths = ticks.lengths();
         lengths
-            .take_while(|&length| (length as usize) < ticks.extents.len())
-            .map(|length| ticks.plan(domain, length as usize))
+            .map(|length| ticks.plan(domain, length))
             .fold(whole, |best, plan| match plan.cost() < best.cost() {
                 true => plan,
                 false => best,
@@ -181,8 +165,8 @@ impl Plan {
         )
     }
 
-    /// Work of the run, in cells times steps.
-    fn cost(&self) -> u64 {
+    /// Work of the run, in cells times steps; rows count more than their cells.
+    pub(super) fn cost(&self) -> u64 {
         self.pieces.iter().map(Piece::cost).sum()
     }
 
@@ -207,79 +191,9 @@ impl Plan {
     }
 }
 
-/// Where the drive is, tick by tick.
-struct Ticks {
-    steps: u64,
-    steps_per_tick: u64,
-    /// Steps of a piece's warm-up.
-    warm_up: u64,
-    extents: Vec<Extent>,
-}
-
-impl Ticks {
-    fn new(domain: &Domain, steps: u64, points: &dyn Fn(f64) -> [[f64; 2]; 2]) -> Self {
-        let courant = domain.grid.courant(&domain.medium);
-        let margins = 2.0 * domain.margin_cells() as f64;
-        let steps_per_tick = (TICK_CROSSINGS * margins / courant).ceil() as u64;
-        let extent = |tick: u64| {
-            let mut extent = Extent::default();
-            for instant in 0..=INSTANTS {
-                let step = (tick as f64 + instant as f64 / INSTANTS as f64) * steps_per_tick as f64;
-                extent.add(&domain.grid, points(step * domain.grid.dt_s));
-            }
-            extent
-        };
-        let extents: Vec<Extent> = (0..steps.div_ceil(steps_per_tick)).map(extent).collect();
-        // Loudspeaker and microphone may be far apart.
-        let widest = extents
-            .iter()
-            .fold(0.0, |widest, extent| extent.width().max(widest));
-        Self {
-            steps,
-            steps_per_tick,
-            warm_up: (WARM_UP_CROSSINGS * (margins + widest) / courant).ceil() as u64,
-            extents,
-        }
-    }
-
-    /// Pieces of `length` ticks.
-    fn plan(&self, domain: &Domain, length: usize) -> Plan {
-        let count = self.extents.len().div_ceil(length);
-        let mut pieces = Vec::with_capacity(count);
-        let mut before = 0;
-        for index in 0..count {
-            let [first, end] = [index, index + 1].map(|k| (k * length).min(self.extents.len()));
-            let from = first as u64 * self.steps_per_tick;
-            let to = (end as u64 * self.steps_per_tick).min(self.steps);
-            let start = from.saturating_sub(self.warm_up);
-            let mut extent = Extent::default();
-            for tick in &self.extents[(start / self.steps_per_tick) as usize..end] {
-                extent.join(tick);
-            }
-            // The drive's own beginning is what it is.
-            let part = |part: f64| match index {
-                0 => 0,
-                _ => (part * self.warm_up as f64) as u64,
-            };
-            let piece = Piece {
-                window: Window::around(&extent, domain),
-                start,
-                from,
-                to,
-                before,
-                ramp: part(RAMP_PART),
-                fade: part(FADE_PART),
-            };
-            before += piece.steps();
-            pieces.push(piece);
-        }
-        Plan { pieces }
-    }
-}
-
 impl Window {
     /// The window around a drive's extent, with its clearance and layer.
-    fn around(extent: &Extent, domain: &Domain) -> Self {
+    pub(super) fn around(extent: &Extent, domain: &Domain) -> Self {
         let margin = domain.margin_cells() as i64;
         let first = extent.low.map(|x| x.floor() as i64 - margin);
         let end = extent.high.map(|x| x.ceil() as i64 + margin);

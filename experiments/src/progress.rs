@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
@@ -19,7 +20,7 @@ pub struct Board {
 pub struct Task {
     bar: ProgressBar,
     label: String,
-    length: u64,
+    length: AtomicU64,
     terminal: bool,
     started: Instant,
     first: Mutex<Option<u64>>,
@@ -60,7 +61,7 @@ impl Board {
         Task {
             bar,
             label,
-            length,
+            length: AtomicU64::new(length),
             terminal: self.terminal,
             started: now,
             first: Mutex::new(None),
@@ -79,6 +80,12 @@ impl Board {
 }
 
 impl Task {
+    /// Corrects the number of parts, once it is known.
+    pub fn set_length(&self, length: u64) {
+        self.length.store(length, Ordering::Relaxed);
+        self.bar.set_length(length);
+    }
+
     /// Tells that `done` parts are done.
     pub fn set(&self, done: u64) {
         if self.terminal {
@@ -99,13 +106,13 @@ impl Task {
         let first = *first.get_or_insert(done);
         if spoken.elapsed() >= LINE_PERIOD && done > first {
             *spoken = Instant::now();
-            let left = self.started.elapsed().as_secs_f64()
-                * (self.length.saturating_sub(done)) as f64
+            let length = self.length.load(Ordering::Relaxed);
+            let left = self.started.elapsed().as_secs_f64() * (length.saturating_sub(done)) as f64
                 / (done - first) as f64;
             eprintln!(
                 "{}: {} %, about {} left",
                 self.label,
-                100 * done / self.length.max(1),
+                100 * done / length.max(1),
                 duration(left)
             );
         }

@@ -242,6 +242,7 @@ fn field_signal(
     task: &Task,
 ) -> Result<Vec<f32>> {
     let mut simulation = prepare(scene, take, threads)?;
+    task.set_length(simulation.steps_total());
     if let Some(checkpoint) = checkpoint
         && checkpoint.resume
         && checkpoint.path.exists()
@@ -253,7 +254,7 @@ fn field_signal(
     let mut trouble: Option<anyhow::Error> = None;
     let outcome = simulation.run(&mut |progress, simulation| {
         task.set(progress.step);
-        let t_s = progress.step as f64 * scene.grid.dt_s;
+        let t_s = simulation.time_s();
         let mut duties = || -> Result<()> {
             if let Some(checkpoint) = checkpoint
                 && saved.elapsed() > CHECKPOINT_PERIOD
@@ -263,6 +264,7 @@ fn field_signal(
             }
             if let Some(snapshots) = snapshots
                 && t_s >= next_picture_s
+                && simulation.is_listening()
             {
                 next_picture_s =
                     (t_s / snapshots.every_s).floor() * snapshots.every_s + snapshots.every_s;
@@ -409,8 +411,18 @@ const PROBE: &str = r#"{
   "grid": {"nx": 160, "ny": 150, "dx_m": 0.005, "dt_s": 8.333333333333333e-6},
   "walls": [{"points_m": [[0.20, 0.55], [0.60, 0.60]], "thickness_m": 0.02}],
   "paths": {"probe": {"start": {"x_m": 0.35, "y_m": 0.3, "heading_rad": 0.4, "v_mps": 2.0, "omega_radps": 1.0},
-    "legs": [{"duration_s": 0.02, "v_mps": 2.0, "omega_radps": 1.0}]}}
+    "legs": [{"duration_s": 0.02, "v_mps": 2.0, "omega_radps": 1.0}]},
+    "free": {"start": {"x_m": 0.3, "y_m": 0.25, "heading_rad": 0.3, "v_mps": 1.0},
+    "legs": [{"duration_s": 0.2, "v_mps": 1.0, "omega_radps": 0.0}]}}
 }"#;
+
+/// Drive of the probe scene for a take. A free field has one that is long enough for two pieces, for they determine what is heard too.
+fn probe_path(take: &Take) -> &'static str {
+    match (take.engine, take.free_field) {
+        (Engine::Fdtd, true) => "free",
+        _ => "probe",
+    }
+}
 
 /// A hash of what the engine computes for a small scene. It takes the place of a version number in the keys of cached
 /// recordings: code that gives other samples gives another print, code that is only faster or cleaner does not.
@@ -420,7 +432,7 @@ const PROBE: &str = r#"{
 pub fn engine_print(take: &Take, scene: &Scene) -> Result<String> {
     let probe = Scene::from_json(PROBE, Path::new("probe")).map_err(|error| anyhow!("{error}"))?;
     let take = Take {
-        path: "probe".to_string(),
+        path: probe_path(take).to_string(),
         scheme: Some(take.scheme.unwrap_or(scene.scheme)),
         spread: Some(take.spread.unwrap_or(scene.spread)),
         wall_model: Some(take.wall_model.unwrap_or(scene.wall_model)),
@@ -429,4 +441,28 @@ pub fn engine_print(take: &Take, scene: &Scene) -> Result<String> {
     let task = crate::progress::Board::new().task("probe", 1);
     let samples = signal(&probe, &take, 1, None, None, &task)?;
     Ok(crate::cache::hash_of_samples(&samples))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_probe_of_a_free_field_has_pieces() {
+        let scene = Scene::from_json(PROBE, Path::new("probe")).unwrap();
+        let take = Take::of("", Engine::Fdtd).in_free_field();
+        let take = Take {
+            path: probe_path(&take).to_string(),
+            ..take
+        };
+        for scheme in Scheme::ALL {
+            let take = Take {
+                scheme: Some(scheme),
+                ..take.clone()
+            };
+            let steps = prepare(&scene, &take, 1).unwrap().steps_total() as f64;
+            let drive = scene.path(&take.path).unwrap().duration_s() / scene.grid.dt_s;
+            assert!(steps > drive + 500.0, "{scheme}: {steps} steps");
+        }
+    }
 }

@@ -33,7 +33,7 @@ pub(crate) struct Arguments {
     /// Folder of the recording.
     #[arg(short, long, value_name = "RECORDING")]
     output: PathBuf,
-    /// Leave out the walls: the direct wave alone.
+    /// Leave out the walls: the direct wave alone. Fast, for the field is only that around the robot.
     #[arg(long)]
     free_field: bool,
     /// Simulate the drive without walls too and write it as direct.wav.

@@ -1,19 +1,21 @@
 //! Checkpoints: the state of a run on disk.
 //!
 //! A line of text that says what run it is, then the lengths of six arrays as little-endian `u64`, then the arrays as
-//! little-endian `f32`: received signal, pressure, previous pressure, layer memory along x and y,
+//! little-endian `f32`: what was heard (after every step, warm-ups included, so that its length tells the piece), pressure, previous pressure, layer memory along x and y,
 //! velocities into walls that are not rigid; then a digest of all.
 
 use std::io::Write;
 use std::path::Path;
 
+use super::{Domain, Simulation};
 use crate::Error;
 use crate::field::FieldState;
+use crate::walls::Opening;
 
 const MAGIC: &str = "fdtd checkpoint 2";
 
 /// FNV-1a over whole numbers: enough to tell inputs apart and to notice a damaged file.
-pub(super) fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
+fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
     numbers
         .into_iter()
         .flat_map(u64::to_le_bytes)
@@ -22,18 +24,13 @@ pub(super) fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
         })
 }
 
-pub(super) fn save(
-    file: &Path,
-    fingerprint: &str,
-    received: &[f32],
-    state: &FieldState,
-) -> Result<(), Error> {
+fn save(file: &Path, fingerprint: &str, heard: &[f32], state: &FieldState) -> Result<(), Error> {
     let temporary = file.with_extension("tmp");
     let write = || -> std::io::Result<()> {
         let mut out = std::io::BufWriter::new(std::fs::File::create(&temporary)?);
         writeln!(out, "{MAGIC} {fingerprint}")?;
         let arrays = [
-            received,
+            heard,
             &state.pressure,
             &state.previous,
             &state.layer_x,
@@ -68,7 +65,7 @@ fn content_digest(arrays: &[&[f32]]) -> u64 {
     )
 }
 
-pub(super) fn load(file: &Path, fingerprint: &str) -> Result<(Vec<f32>, FieldState), Error> {
+fn load(file: &Path, fingerprint: &str) -> Result<(Vec<f32>, FieldState), Error> {
     let bytes = std::fs::read(file).map_err(|source| Error::io(file, source))?;
     let wrong = |problem: &str| Error::Checkpoint {
         path: file.to_owned(),
@@ -116,9 +113,9 @@ pub(super) fn load(file: &Path, fingerprint: &str) -> Result<(Vec<f32>, FieldSta
     if content_digest(&arrays.each_ref().map(Vec::as_slice)) != expected {
         return Err(wrong("is damaged"));
     }
-    let [received, pressure, previous, layer_x, layer_y, surfaces] = arrays;
+    let [heard, pressure, previous, layer_x, layer_y, surfaces] = arrays;
     Ok((
-        received,
+        heard,
         FieldState {
             pressure,
             previous,
@@ -127,4 +124,70 @@ pub(super) fn load(file: &Path, fingerprint: &str) -> Result<(Vec<f32>, FieldSta
             surfaces,
         },
     ))
+}
+
+impl Simulation {
+    /// Writes a checkpoint (to a temporary name, then renamed).
+    ///
+    /// # Errors
+    /// [`Error::Io`] when it cannot be written.
+    pub fn save_checkpoint(&self, file: &Path) -> Result<(), Error> {
+        save(file, &self.fingerprint(), &self.heard, &self.field.state())
+    }
+
+    /// Continues from a checkpoint: the run then gives the same bytes as one without an interruption.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when it cannot be read, [`Error::Checkpoint`] when it is damaged or belongs to other inputs.
+    pub fn load_checkpoint(&mut self, file: &Path) -> Result<(), Error> {
+        let (heard, state) = load(file, &self.fingerprint())?;
+        self.heard = heard;
+        // The state is that after the last step, not yet the silence before the next piece.
+        self.enter(self.plan.index_at(self.step().saturating_sub(1)));
+        self.field.set_state(&state);
+        Ok(())
+    }
+
+    /// Everything that determines the run, in one line.
+    fn fingerprint(&self) -> String {
+        let Domain {
+            grid,
+            medium,
+            scheme,
+            spread,
+            layer_cells,
+            walls,
+        } = &self.domain;
+        let solid = walls
+            .solid()
+            .cells
+            .iter()
+            .enumerate()
+            .filter(|(_, solid)| **solid)
+            .map(|(cell, _)| cell as u64);
+        let parts = walls.partial().flat_map(|(cell, opening)| {
+            let Opening { area, west, south } = *opening;
+            [cell as u64]
+                .into_iter()
+                .chain([area, west, south].map(f64::to_bits))
+        });
+        let surfaces = walls
+            .loads()
+            .flat_map(|(cell, load)| [cell as u64, load.impedance_pasm.to_bits()]);
+        let walls = digest(solid.chain(parts).chain(surfaces));
+        let pieces = &self.plan.pieces;
+        let steps = pieces.last().map_or(0, |piece| piece.to);
+        let drive = digest((0..=64).flat_map(|k| {
+            self.drive
+                .sample(k as f64 / 64.0 * steps as f64 * grid.dt_s)
+                .map(f64::to_bits)
+        }));
+        let plan = match pieces.len() {
+            1 => String::new(),
+            count => format!(" in {count} pieces {:016x}", digest(self.plan.numbers())),
+        };
+        format!(
+            "{grid:?} {medium:?} {scheme} {spread} layer {layer_cells} walls {walls:016x} drive {drive:016x} steps {steps}{plan}"
+        )
+    }
 }

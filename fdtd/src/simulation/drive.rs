@@ -6,7 +6,10 @@
 //! over two steps has the transfer `sin(omega dt)/(omega dt)`, the inverse of the leapfrog's own gain, so that no
 //! frequency-dependent gain in time remains; being a difference, it leaves no constant pressure behind.
 
+use std::f64::consts::PI;
+
 use super::Domain;
+use super::pieces::Piece;
 use crate::field::{Injection, StepForcing};
 use crate::spread::{Spread, Stencil};
 
@@ -27,6 +30,11 @@ pub struct Drive {
     receiver_m: OfTime<[f64; 2]>,
     strength_m2ps: OfTime<f64>,
     coincident: bool,
+    /// Cells from the domain's first to the field's.
+    first_cell: [f64; 2],
+    /// First step of the field, and the steps over which the source rises after it.
+    start: i64,
+    ramp: i64,
     /// Contributions at steps `n - 1` and `n`, from the calls before.
     recent: Option<(u64, [Injection; 2])>,
 }
@@ -52,28 +60,50 @@ impl Drive {
             receiver_m,
             strength_m2ps,
             coincident,
+            first_cell: [0.0; 2],
+            start: 0,
+            ramp: 0,
             recent: None,
         }
     }
 
+    /// Goes on in a silent field that has a part of the domain and starts with this piece.
+    pub(super) fn enter(&mut self, piece: &Piece) {
+        self.first_cell = piece.window.first.map(|cells| cells as f64);
+        self.start = piece.start as i64;
+        self.ramp = piece.ramp as i64;
+        self.recent = None;
+    }
+
     fn stencil(&self, point_m: [f64; 2]) -> Stencil {
-        self.spread.stencil(point_m.map(|x| x / self.dx_m - 0.5))
+        // Whole cells are taken away last: the place within a cell stays the same to the last bit.
+        self.spread.stencil(std::array::from_fn(|axis| {
+            point_m[axis] / self.dx_m - 0.5 - self.first_cell[axis]
+        }))
     }
 
     /// `w q` at step `n`, scaled to pressure.
     fn contribution(&self, step: i64) -> Injection {
         let t = step as f64 * self.dt_s;
-        // Silent at time 0 too: the field starts at rest, and a contribution that entered it without its counterpart two
+        // Silent at the first step too: the field starts at rest, and a contribution that entered it without its counterpart two
         // steps earlier would leave a constant pressure behind.
-        let strength = if step <= 0 {
+        let strength = if step <= self.start {
             0.0
         } else {
-            (self.strength_m2ps)(t)
+            self.rise(step - self.start) * (self.strength_m2ps)(t)
         };
         Injection {
             stencil: self.stencil((self.source_m)(t.max(0.0))),
             amplitude: (self.gain * strength) as f32,
         }
+    }
+
+    /// Gain of the source `steps` after the field's first: a raised cosine from zero to one.
+    fn rise(&self, steps: i64) -> f64 {
+        if steps >= self.ramp {
+            return 1.0;
+        }
+        0.5 - 0.5 * (PI * steps as f64 / self.ramp as f64).cos()
     }
 
     /// What happens in the step from level `step` to `step + 1`.

@@ -1,70 +1,33 @@
 //! A drive through a scene: moving source and receiver on the field, step after step, to a microphone signal.
 
 mod checkpoint;
+mod domain;
 mod drive;
+mod options;
+mod pieces;
+mod ticks;
 
-use std::path::Path;
-
+pub use domain::Domain;
 pub use drive::{Drive, SOURCE_STRENGTH_M2PS};
+pub use options::SimulationOptions;
 
 use crate::Error;
 use crate::decimate::Decimator;
-use crate::field::{FastField, Field, FieldSetup, ReferenceField, StepForcing};
-use crate::grid::{Grid, Medium};
+use crate::field::{FastField, Field, ReferenceField, StepForcing};
 use crate::scene::Scene;
-use crate::scheme::Scheme;
-use crate::spread::Spread;
-use crate::walls::{Opening, WallCells, WallModel};
 use crate::waveform::PeriodicWaveform;
+
+use pieces::Plan;
 
 /// Steps between two calls of the observer.
 const CHUNK: u64 = 256;
 
-/// Cells kept between a free-field drive and the absorbing layer.
-const CLEARANCE_CELLS: usize = 12;
-
-/// Choices of a run that are not the scene's.
-#[derive(Debug, Clone, Default)]
-pub struct SimulationOptions {
-    /// Scheme instead of the scene's.
-    pub scheme: Option<Scheme>,
-    /// Spreading kernel instead of the scene's.
-    pub spread: Option<Spread>,
-    /// How walls become cells, instead of the scene's way.
-    pub wall_model: Option<WallModel>,
-    /// Threads; 0 for all cores.
-    pub threads: usize,
-    /// Without walls, in a domain cropped to the drive and its absorbing layer.
-    pub free_field: bool,
-    /// Source strength times the time since the middle of the drive, which tells travel times ([`crate::medium::absorbed`]).
-    pub stamped: bool,
-    /// Use the plain engine, the oracle of the fast one.
-    pub reference_engine: bool,
-}
-
-/// A domain to simulate, in its parts: what [`Simulation::new`] makes of a scene.
-#[derive(Debug, Clone)]
-pub struct Domain {
-    /// Grid and step.
-    pub grid: Grid,
-    /// The air.
-    pub medium: Medium,
-    /// Scheme.
-    pub scheme: Scheme,
-    /// Spreading kernel.
-    pub spread: Spread,
-    /// Width of the absorbing layers in cells.
-    pub layer_cells: usize,
-    /// Rigid walls.
-    pub walls: WallCells,
-}
-
 /// How far a run is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// Steps done.
+    /// Steps done, warm-ups of a free field's pieces included.
     pub step: u64,
-    /// Steps in all.
+    /// Steps in all, likewise.
     pub steps_total: u64,
 }
 
@@ -89,15 +52,25 @@ pub enum Outcome {
 /// A field with its moving source and receiver.
 pub struct Simulation {
     domain: Domain,
+    plan: Plan,
+    /// Index of the piece that `field` belongs to.
+    piece: usize,
     field: Box<dyn Field>,
     drive: Drive,
-    /// Microphone pressure at the field's rate; entry `n` is at time `n dt`.
-    received: Vec<f32>,
-    steps_total: u64,
+    /// Silence at time 0, then microphone pressure after each step of each piece, warm-ups included.
+    heard: Vec<f32>,
     /// Samples asked for, at `decimator`'s rate.
     samples: usize,
     decimator: Decimator,
     threads: usize,
+    reference_engine: bool,
+}
+
+/// What is wanted of a run.
+struct Listening {
+    duration_s: f64,
+    sample_rate_hz: f64,
+    band_hz: f64,
 }
 
 impl Simulation {
@@ -113,42 +86,20 @@ impl Simulation {
     ) -> Result<Self, Error> {
         let path = scene.path(path_name)?.clone();
         let robot = scene.robot;
-        let mut domain = Domain {
-            grid: scene.grid,
-            medium: scene.medium,
-            scheme: options.scheme.unwrap_or(scene.scheme),
-            spread: options.spread.unwrap_or(scene.spread),
-            layer_cells: scene.layer_cells,
-            walls: options
-                .wall_model
-                .unwrap_or(scene.wall_model)
-                .cells(&scene.grid, &scene.walls),
-        };
-        let courant = domain.grid.courant(&domain.medium);
-        if courant > domain.scheme.max_courant() {
-            let largest = domain.scheme.max_courant() * domain.grid.dx_m / domain.medium.c_mps;
-            return Err(Error::invalid(
-                &scene.name,
-                "grid.dt_s",
-                format!(
-                    "{:e} s is over the stability limit of {}",
-                    domain.grid.dt_s, domain.scheme
-                ),
-                format!("the largest stable step is {largest:e} s"),
-            ));
-        }
+        let mut domain = Domain::of(scene, options)?;
         let duration_s = path.duration_s();
+        let points = |t| {
+            [
+                path.point_at(t, robot.loudspeaker_offset_m),
+                path.point_at(t, robot.microphone_offset_m),
+            ]
+        };
         let mut origin_m = [0.0; 2];
         if options.free_field {
-            origin_m = crop(&mut domain, duration_s, &|t| {
-                [
-                    path.point_at(t, robot.loudspeaker_offset_m),
-                    path.point_at(t, robot.microphone_offset_m),
-                ]
-            });
+            origin_m = domain.crop(duration_s, &points);
         }
         let shift = move |p: [f64; 2]| [p[0] - origin_m[0], p[1] - origin_m[1]];
-        let (path_a, path_b, waveform) = (path.clone(), path, waveform.clone());
+        let (path_a, path_b, waveform) = (path.clone(), path.clone(), waveform.clone());
         let (stamped, middle_s) = (options.stamped, 0.5 * duration_s);
         let drive = Drive::new(
             &domain,
@@ -160,14 +111,18 @@ impl Simulation {
             }),
             robot.loudspeaker_offset_m == robot.microphone_offset_m,
         );
-        Self::from_parts(
-            domain,
-            drive,
+        let listening = Listening {
             duration_s,
-            scene.sample_rate_hz,
-            scene.waveform.band_hz[1],
-            options,
-        )
+            sample_rate_hz: scene.sample_rate_hz,
+            band_hz: scene.waveform.band_hz[1],
+        };
+        Self::build(domain, drive, &listening, options, |domain, steps| {
+            if options.free_field && !options.undivided {
+                Plan::cheapest(domain, steps, &|t| points(t).map(shift))
+            } else {
+                Plan::whole(domain, steps)
+            }
+        })
     }
 
     /// A run from its parts: `duration_s` seconds of `drive` in `domain`, heard at `sample_rate_hz` up to `band_hz`.
@@ -176,7 +131,7 @@ impl Simulation {
     /// [`Error::Invalid`] when the rates do not fit (see [`Decimator::new`]).
     ///
     /// # Panics
-    /// When the domain's step is unstable or its layers meet; see [`FieldSetup::new`].
+    /// When the domain's step is unstable or its layers meet; see [`crate::field::FieldSetup::new`].
     pub fn from_parts(
         domain: Domain,
         drive: Drive,
@@ -185,35 +140,63 @@ impl Simulation {
         band_hz: f64,
         options: &SimulationOptions,
     ) -> Result<Self, Error> {
-        let decimator = Decimator::new(1.0 / domain.grid.dt_s, sample_rate_hz, band_hz)?;
-        let setup = FieldSetup::new(
-            &domain.grid,
-            &domain.medium,
-            domain.scheme,
-            domain.layer_cells,
-            &domain.walls,
-        );
+        let listening = Listening {
+            duration_s,
+            sample_rate_hz,
+            band_hz,
+        };
+        Self::build(domain, drive, &listening, options, Plan::whole)
+    }
+
+    /// A run whose pieces `plan` makes of the domain and the number of steps.
+    fn build(
+        domain: Domain,
+        mut drive: Drive,
+        listening: &Listening,
+        options: &SimulationOptions,
+        plan: impl FnOnce(&Domain, u64) -> Plan,
+    ) -> Result<Self, Error> {
+        let Listening {
+            duration_s,
+            sample_rate_hz,
+            band_hz,
+        } = *listening;
+        let dt_s = domain.grid.dt_s;
+        let decimator = Decimator::new(1.0 / dt_s, sample_rate_hz, band_hz)?;
+        // The decimation filter looks a little beyond the last sample.
+        let steps = (duration_s / dt_s).round() as u64 + decimator.reach() as u64;
+        let plan = plan(&domain, steps);
         let threads = match options.threads {
             0 => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
             threads => threads,
         };
-        let field: Box<dyn Field> = if options.reference_engine {
-            Box::new(ReferenceField::new(setup))
-        } else {
-            Box::new(FastField::new(setup, threads))
-        };
-        // The decimation filter looks a little beyond the last sample.
-        let steps_total = (duration_s / domain.grid.dt_s).round() as u64 + decimator.reach() as u64;
+        let field = field(&domain, &plan, 0, threads, options.reference_engine);
+        drive.enter(&plan.pieces[0]);
         Ok(Self {
             domain,
+            plan,
+            piece: 0,
             field,
             drive,
-            received: vec![0.0],
-            steps_total,
+            heard: vec![0.0],
             samples: (duration_s * sample_rate_hz + 1e-6).floor() as usize,
             decimator,
             threads,
+            reference_engine: options.reference_engine,
         })
+    }
+
+    /// Goes on with the silent field of a piece.
+    fn enter(&mut self, piece: usize) {
+        self.piece = piece;
+        self.field = field(
+            &self.domain,
+            &self.plan,
+            piece,
+            self.threads,
+            self.reference_engine,
+        );
+        self.drive.enter(&self.plan.pieces[piece]);
     }
 
     /// Runs to the end, or until the observer says stop; `observer` is called about every 256 steps.
@@ -224,33 +207,32 @@ impl Simulation {
         &mut self,
         observer: &mut dyn FnMut(Progress, &Self) -> Flow,
     ) -> Result<Outcome, Error> {
-        while self.step() < self.steps_total {
-            let first = self.step();
-            let steps = self.forcing((self.steps_total - first).min(CHUNK));
-            self.field.advance(&steps, &mut self.received);
+        let steps_total = self.steps_total();
+        while self.step() < steps_total {
+            let piece = self.plan.index_at(self.step());
+            if piece != self.piece {
+                self.enter(piece);
+            }
+            let first = self.drive_step();
+            let end = self.plan.pieces[piece].to.min(first + CHUNK);
+            let steps: Vec<StepForcing> =
+                (first..end).map(|step| self.drive.forcing(step)).collect();
+            self.field.advance(&steps, &mut self.heard);
             self.check_finite(first)?;
             let progress = Progress {
                 step: self.step(),
-                steps_total: self.steps_total,
+                steps_total,
             };
-            if observer(progress, self) == Flow::Stop && self.step() < self.steps_total {
+            if observer(progress, self) == Flow::Stop && self.step() < steps_total {
                 return Ok(Outcome::Stopped);
             }
         }
         Ok(Outcome::Finished)
     }
 
-    /// The next `count` steps of the drive.
-    fn forcing(&mut self, count: u64) -> Vec<StepForcing> {
-        let first = self.step();
-        (first..first + count)
-            .map(|step| self.drive.forcing(step))
-            .collect()
-    }
-
     fn check_finite(&self, first: u64) -> Result<(), Error> {
-        let last = self.step();
-        let heard = &self.received[first as usize + 1..];
+        let last = self.drive_step();
+        let heard = &self.heard[self.heard.len() - (last - first) as usize..];
         let sampled = (0..4).all(|k| {
             self.field
                 .row_is_finite((last / CHUNK) as usize * 4 + k * 251)
@@ -261,26 +243,43 @@ impl Simulation {
         Err(Error::NonFinite {
             first_step: first,
             last_step: last,
-            time_s: last as f64 * self.domain.grid.dt_s,
+            time_s: self.time_s(),
         })
     }
 
-    /// Steps done.
+    /// Steps done, warm-ups included.
     pub fn step(&self) -> u64 {
-        self.received.len() as u64 - 1
+        self.heard.len() as u64 - 1
     }
 
-    /// Steps of the whole run.
+    /// Steps of the whole run, warm-ups included.
     pub fn steps_total(&self) -> u64 {
-        self.steps_total
+        self.plan.steps()
     }
 
-    /// Cells of the domain (of the cropped one for a free-field run).
+    /// Steps of the drive that the field has come to.
+    fn drive_step(&self) -> u64 {
+        let piece = &self.plan.pieces[self.piece];
+        piece.start + (self.step() - piece.before)
+    }
+
+    /// Time of the drive that the field has come to, seconds. Goes back when a piece of a free field warms up.
+    pub fn time_s(&self) -> f64 {
+        self.drive_step() as f64 * self.domain.grid.dt_s
+    }
+
+    /// Whether what is heard now belongs to the signal, not to the warm-up of a piece of a free field.
+    pub fn is_listening(&self) -> bool {
+        self.drive_step() > self.plan.pieces[self.piece].from
+    }
+
+    /// Cells of the domain; of the largest piece's for a free-field run.
     pub fn cells(&self) -> usize {
-        self.domain.grid.cells()
+        let window = self.plan.largest();
+        window.nx * window.ny
     }
 
-    /// The domain that is simulated.
+    /// The domain that is simulated; of a free-field run that around the whole drive.
     pub fn domain(&self) -> &Domain {
         &self.domain
     }
@@ -292,120 +291,45 @@ impl Simulation {
 
     /// Memory that the run holds, in bytes: two levels, the layers, the mask and the received signal.
     pub fn memory_bytes(&self) -> u64 {
-        let grid = &self.domain.grid;
-        let layers = 6 * self.domain.layer_cells * (grid.nx + grid.ny);
-        (4 * (2 * grid.cells() + layers) + 2 * grid.cells()) as u64 + 4 * (self.steps_total + 1)
+        let window = self.plan.largest();
+        let layers = 6 * self.domain.layer_cells * (window.nx + window.ny);
+        let cells = window.nx * window.ny;
+        (4 * (2 * cells + layers) + 2 * cells) as u64 + 4 * (self.steps_total() + 1)
     }
 
-    /// Pressure in Pa now: columns, rows, and `[iy, ix]` values.
+    /// Pressure in Pa now, in the whole domain: columns, rows, and `[iy, ix]` values; zero outside of a piece's window.
     pub fn pressure_frame(&self) -> (usize, usize, Vec<f32>) {
-        (
-            self.domain.grid.nx,
-            self.domain.grid.ny,
-            self.field.state().pressure,
-        )
+        let window = self.plan.pieces[self.piece].window;
+        let (nx, ny) = (self.domain.grid.nx, self.domain.grid.ny);
+        (nx, ny, window.place(&self.field.state().pressure, nx, ny))
     }
 
     /// Microphone pressure in Pa at the field's rate so far; entry `n` is at time `n dt`.
-    pub fn received(&self) -> &[f32] {
-        &self.received
+    pub fn received(&self) -> Vec<f32> {
+        self.plan.join(&self.heard)
     }
 
     /// Microphone signal in Pa, anti-aliased and at the sampling rate; sample `k` is at time `k / f_s`. Complete once the
     /// run has finished.
     pub fn signal(&self) -> Vec<f32> {
-        let mut signal = self.decimator.apply(&self.received);
+        let mut signal = self.decimator.apply(&self.received());
         signal.truncate(self.samples);
         signal
     }
-
-    /// Writes a checkpoint (to a temporary name, then renamed).
-    ///
-    /// # Errors
-    /// [`Error::Io`] when it cannot be written.
-    pub fn save_checkpoint(&self, file: &Path) -> Result<(), Error> {
-        checkpoint::save(
-            file,
-            &self.fingerprint(),
-            &self.received,
-            &self.field.state(),
-        )
-    }
-
-    /// Continues from a checkpoint: the run then gives the same bytes as one without an interruption.
-    ///
-    /// # Errors
-    /// [`Error::Io`] when it cannot be read, [`Error::Checkpoint`] when it is damaged or belongs to other inputs.
-    pub fn load_checkpoint(&mut self, file: &Path) -> Result<(), Error> {
-        let (received, state) = checkpoint::load(file, &self.fingerprint())?;
-        self.received = received;
-        self.field.set_state(&state);
-        Ok(())
-    }
-
-    /// Everything that determines the run, in one line.
-    fn fingerprint(&self) -> String {
-        let Domain {
-            grid,
-            medium,
-            scheme,
-            spread,
-            layer_cells,
-            walls,
-        } = &self.domain;
-        let solid = walls
-            .solid()
-            .cells
-            .iter()
-            .enumerate()
-            .filter(|(_, solid)| **solid)
-            .map(|(cell, _)| cell as u64);
-        let parts = walls.partial().flat_map(|(cell, opening)| {
-            let Opening { area, west, south } = *opening;
-            [cell as u64]
-                .into_iter()
-                .chain([area, west, south].map(f64::to_bits))
-        });
-        let surfaces = walls
-            .loads()
-            .flat_map(|(cell, load)| [cell as u64, load.impedance_pasm.to_bits()]);
-        let walls = checkpoint::digest(solid.chain(parts).chain(surfaces));
-        let drive = checkpoint::digest((0..=64).flat_map(|k| {
-            self.drive
-                .sample(k as f64 / 64.0 * self.steps_total as f64 * grid.dt_s)
-                .map(f64::to_bits)
-        }));
-        format!(
-            "{grid:?} {medium:?} {scheme} {spread} layer {layer_cells} walls {walls:016x} drive {drive:016x} steps {}",
-            self.steps_total
-        )
-    }
 }
 
-/// Crops an open domain to the drive, its clearance and the layer, and clears the walls; returns the new origin in
-/// metres, a whole number of cells, so that points keep their place within a cell.
-fn crop(domain: &mut Domain, duration_s: f64, points: &dyn Fn(f64) -> [[f64; 2]; 2]) -> [f64; 2] {
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    let instants = (duration_s / 0.005).ceil().max(1.0);
-    for k in 0..=instants as usize {
-        for point in points(duration_s * k as f64 / instants) {
-            for (axis, x) in domain.grid.to_cells(point).into_iter().enumerate() {
-                low[axis] = low[axis].min(x);
-                high[axis] = high[axis].max(x);
-            }
-        }
+/// The silent field of a piece.
+fn field(
+    domain: &Domain,
+    plan: &Plan,
+    piece: usize,
+    threads: usize,
+    reference_engine: bool,
+) -> Box<dyn Field> {
+    let setup = plan.setup(domain, piece);
+    if reference_engine {
+        Box::new(ReferenceField::new(setup))
+    } else {
+        Box::new(FastField::new(setup, threads))
     }
-    let margin =
-        domain.layer_cells.next_multiple_of(8) + CLEARANCE_CELLS + domain.spread.reach_cells();
-    let first = low.map(|x| (x.floor() as usize).saturating_sub(margin));
-    let grid = domain.grid;
-    let end = [
-        (high[0].ceil() as usize + margin).min(grid.nx),
-        (high[1].ceil() as usize + margin).min(grid.ny),
-    ];
-    // Whole vectors make full use of the engine.
-    domain.grid.nx = (end[0] - first[0]).next_multiple_of(8);
-    domain.grid.ny = end[1] - first[1];
-    domain.walls = WallCells::open(domain.grid.nx, domain.grid.ny);
-    first.map(|cells| cells as f64 * grid.dx_m)
 }

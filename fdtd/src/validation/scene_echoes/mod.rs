@@ -94,7 +94,7 @@ fn place(scene: &Scene, whole: bool, place_m: [f64; 2]) -> Result<Place, Error> 
     scene.paths.insert("rest".to_string(), path);
     let waveform = burst().every(2.0 * DURATION_S, [0.0, 18e3], 1.0 / DT_S);
     let heard = echoes(&scene, "rest", &waveform, |simulation| {
-        simulation.received().to_vec()
+        simulation.received()
     })?;
     let reflectors = Reflectors::of(&scene.walls);
     let echoes = alone(&reflectors, place_m)

@@ -1,0 +1,26 @@
+//! Choices of a run that are not the scene's.
+
+use crate::scheme::Scheme;
+use crate::spread::Spread;
+use crate::walls::WallModel;
+
+/// Choices of a run that are not the scene's.
+#[derive(Debug, Clone, Default)]
+pub struct SimulationOptions {
+    /// Scheme instead of the scene's.
+    pub scheme: Option<Scheme>,
+    /// Spreading kernel instead of the scene's.
+    pub spread: Option<Spread>,
+    /// How walls become cells, instead of the scene's way.
+    pub wall_model: Option<WallModel>,
+    /// Threads; 0 for all cores.
+    pub threads: usize,
+    /// Without walls, in pieces of time whose domains are cropped to where the drive is then.
+    pub free_field: bool,
+    /// A free field in one piece, cropped to the whole drive: what the pieces are measured against.
+    pub undivided: bool,
+    /// Source strength times the time since the middle of the drive, which tells travel times ([`crate::medium::absorbed`]).
+    pub stamped: bool,
+    /// Use the plain engine, the oracle of the fast one.
+    pub reference_engine: bool,
+}

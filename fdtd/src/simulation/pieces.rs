@@ -224,3 +224,87 @@ impl Window {
         frame
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Medium;
+    use crate::scheme::Scheme;
+    use crate::spread::Spread;
+
+    fn domain() -> Domain {
+        Domain {
+            grid: Grid {
+                nx: 400,
+                ny: 300,
+                dx_m: 0.005,
+                dt_s: 1.0 / 120e3,
+            },
+            medium: Medium {
+                c_mps: 340.0,
+                rho_kgpm3: 1.293,
+            },
+            scheme: Scheme::O13,
+            spread: Spread::Kaiser12,
+            layer_cells: 20,
+            walls: WallCells::open(400, 300),
+        }
+    }
+
+    /// A second of a pair that goes along x.
+    fn plan(v_mps: f64) -> Plan {
+        Plan::cheapest(&domain(), 120_000, &|t_s| {
+            [[0.4 + v_mps * t_s, 0.7], [0.5 + v_mps * t_s, 0.7]]
+        })
+    }
+
+    #[test]
+    fn pieces_follow_each_other_around_the_drive() {
+        let plan = plan(1.0);
+        assert!(plan.pieces.len() > 4, "{}", plan.pieces.len());
+        let (mut to, mut before) = (0, 0);
+        for piece in &plan.pieces {
+            assert_eq!((piece.from, piece.before), (to, before));
+            assert!(piece.start + piece.ramp + piece.fade <= piece.from);
+            (to, before) = (piece.to, before + piece.steps());
+            for (step, x_m) in [(piece.start, 0.4), (piece.to, 0.5)] {
+                let x = domain().grid.to_cells([x_m + step as f64 / 120e3, 0.7])[0];
+                let beside = x - piece.window.first[0] as f64;
+                let margin = domain().margin_cells() as f64;
+                assert!(beside >= margin && beside + margin < piece.window.nx as f64 + 1.0);
+            }
+        }
+        assert_eq!((to, before), (120_000, plan.steps()));
+    }
+
+    #[test]
+    fn a_robot_at_rest_is_one_piece() {
+        let mut domain = domain();
+        let points = [[0.9, 0.7], [1.0, 0.7]];
+        let origin_m = domain.crop(1.0, &|_| points);
+        let points = points.map(|[x, y]| [x - origin_m[0], y - origin_m[1]]);
+        let plan = Plan::cheapest(&domain, 120_000, &|_| points);
+        assert_eq!(plan, Plan::whole(&domain, 120_000));
+    }
+
+    #[test]
+    fn signals_are_joined_where_they_are_known() {
+        let plan = plan(1.0);
+        let ones = vec![1.0; plan.steps() as usize + 1];
+        assert_eq!(plan.join(&ones), vec![1.0; 120_001]);
+        let second = plan.pieces[1];
+        for (heard, expected) in [
+            (0, 0),
+            (second.before, second.from),
+            (second.before + 1, second.from),
+            (second.before + second.from - second.start, second.from),
+            (
+                second.before + second.from - second.start + 7,
+                second.from + 7,
+            ),
+        ] {
+            let joined = plan.join(&ones[..=heard as usize]);
+            assert_eq!(joined.len() as u64, expected + 1);
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! What is recorded, and what computes it.
+
+use clap::ValueEnum;
+use fdtd::scheme::Scheme;
+use fdtd::spread::Spread;
+use fdtd::walls::WallModel;
+use serde::{Deserialize, Serialize};
+
+/// Steady error of the odometry's turn rate in the paper's simulation, rad/s.
+pub const ODOMETRY_BIAS_RADPS: f64 = 0.01;
+
+/// What computes the sound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Engine {
+    /// The sound field by finite differences.
+    Fdtd,
+    /// Image sources up to second order: seconds instead of minutes, without diffraction.
+    ImageSource,
+}
+
+impl Engine {
+    /// Name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fdtd => "fdtd",
+            Self::ImageSource => "image-source",
+        }
+    }
+}
+
+/// What is recorded, and how.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Take {
+    /// Drive path of the scene.
+    pub path: String,
+    /// What computes the sound.
+    pub engine: Engine,
+    /// Scheme of the field; the scene's when absent.
+    #[serde(skip)]
+    pub scheme: Option<Scheme>,
+    /// Spreading of source and receiver; the scene's when absent.
+    #[serde(skip)]
+    pub spread: Option<Spread>,
+    /// With the source strength times the time since the middle of the drive; see [`fdtd::medium::absorbed`].
+    #[serde(skip)]
+    pub stamped: bool,
+    /// How walls become cells of the field; the scene's way when absent.
+    #[serde(skip)]
+    pub wall_model: Option<WallModel>,
+    /// Without walls: the direct wave alone.
+    pub free_field: bool,
+    /// Steady error of the odometry's turn rate, rad/s.
+    pub odometry_bias_radps: f64,
+}
+
+impl Take {
+    /// The sound field on a path with the scene's own choices.
+    pub fn of(path: &str, engine: Engine) -> Self {
+        Self {
+            path: path.to_string(),
+            engine,
+            scheme: None,
+            spread: None,
+            stamped: false,
+            wall_model: None,
+            free_field: false,
+            odometry_bias_radps: ODOMETRY_BIAS_RADPS,
+        }
+    }
+
+    /// The same with the sound stamped by the time of sending.
+    pub fn stamped(&self) -> Self {
+        Self {
+            stamped: true,
+            ..self.clone()
+        }
+    }
+
+    /// The same without walls.
+    pub fn in_free_field(&self) -> Self {
+        Self {
+            free_field: true,
+            ..self.clone()
+        }
+    }
+}

@@ -1,7 +1,9 @@
 //! The unsafe heart of the fast engine: sweeps over rows through raw pointers. Nothing outside this folder is unsafe.
 //!
-//! * here: who runs which rows of which step, and all of a step but the plain stencil;
+//! * here: who runs which rows of which step, walls, source and receiver;
 //! * `sweep`, `slf`, `m13`, `d25`: the plain stencils;
+//! * `layers`: the strips beside the centre, and the absorbing layers;
+//! * `halo`: the cells that rows hold twice;
 //! * `vector`: eight or sixteen numbers of an instruction set.
 //!
 //! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same
@@ -15,6 +17,8 @@
 )]
 
 mod d25;
+mod halo;
+mod layers;
 mod m13;
 mod slf;
 mod sweep;
@@ -30,8 +34,7 @@ use self::sweep::Sweep;
 use self::vector::{Avx, Avx512};
 use self::vector::{Plain, Vector};
 use super::super::StepForcing;
-use super::super::layer_row;
-use super::super::stencil::{Number, Splat, layer};
+use super::super::stencil::Splat;
 use super::layout::{NARROW, WIDE};
 use super::tiles::Tile;
 use super::{Line, Plan};
@@ -49,6 +52,13 @@ pub(super) struct Shared {
     pub(super) layer_y: *mut f32,
     /// Velocities into surfaces that are not rigid; those of a row belong to who writes the row.
     pub(super) surfaces: *mut f32,
+}
+
+/// The levels of one step: the one it reads, and the past that it overwrites.
+#[derive(Clone, Copy)]
+struct Levels {
+    now: *const f32,
+    next: *mut f32,
 }
 
 // SAFETY: the pointers are only used by tiles of one block, on disjoint rows (see `tiles`), while the field that owns
@@ -282,102 +292,48 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
 ) {
     let layout = &plan.layout;
     let stride = layout.stride;
-    let cells = plan.setup.layer.cells();
-    let width = plan.setup.layer.width();
-    let courant2 = V::splat(plan.setup.courant2);
-    let narrow = Splat::<V::Narrow>::new(&plan.setup.weights);
+    let levels = Levels {
+        now: shared.levels[step % 2].cast_const(),
+        next: shared.levels[(step + 1) % 2],
+    };
     // SAFETY: rows lie in the grid, and the buffers have a rim of rows on both sides; within a row every offset comes
     // from the layout. The caller promises that nobody else touches what is written here.
     unsafe {
-        let now_base = shared.levels[step % 2].cast_const();
-        let next_base = shared.levels[(step + 1) % 2];
-        let at = (rows.start + layout.halo) * stride;
-        let parts = [
-            (layout.low_at, 1, layout.low.div_ceil(V::LANES)),
-            (layout.centre_at, V::LANES, layout.centre),
-            (layout.high_at, 1, layout.high.div_ceil(V::LANES)),
-        ];
-        for (part, ahead, vectors) in parts {
-            for first in (0..vectors).step_by(<S as Sweep<V>>::CHUNK / V::LANES) {
-                let from = at + part + first * V::LANES;
-                let (now, next) = (now_base.add(from), next_base.add(from));
-                <S as Sweep<V>>::rows(
-                    weights,
-                    now,
-                    next,
-                    stride,
-                    ahead,
-                    (<S as Sweep<V>>::CHUNK / V::LANES).min(vectors - first),
-                    rows.len(),
-                );
-            }
+        let start = (rows.start + layout.halo) * stride + layout.centre_at;
+        let chunk = <S as Sweep<V>>::CHUNK / V::LANES;
+        for first in (0..layout.centre).step_by(chunk) {
+            let from = start + first * V::LANES;
+            let vectors = chunk.min(layout.centre - first);
+            <S as Sweep<V>>::rows(
+                weights,
+                levels.now.add(from),
+                levels.next.add(from),
+                stride,
+                vectors,
+                rows.len(),
+            );
+            let vectors = first..first + vectors;
+            layers::along_y::<V, S>(plan, shared, levels, weights, vectors, rows.clone());
         }
+        // After the centre: the single cells of the halo that strips read were stored long ago by then.
+        layers::strips::<V::Narrow, S>(plan, shared, levels, rows.clone());
         for iy in rows {
             let at = (iy + layout.halo) * stride;
-            let now = now_base.add(at);
-            let next = next_base.add(at);
-            if let (Some(decay), Some(layer)) =
-                (plan.row_decay[iy], layer_row(cells, plan.setup.ny, iy))
-            {
-                let memory = shared.layer_y.add(layer * 3 * stride);
-                let decay = decay.map(V::splat);
-                for (part, ahead, vectors) in parts {
-                    for x in (part..part + vectors * V::LANES).step_by(V::LANES) {
-                        let layered =
-                            |p: *const f32| <S as Sweep<V>>::layered(weights, p, stride, ahead);
-                        let p = now.add(x);
-                        let here = layered(p);
-                        let slopes = [
-                            here.sub(layered(p.sub(stride))),
-                            layered(p.add(stride)).sub(here),
-                        ];
-                        layer_vector(slopes, decay, memory.add(x), stride, courant2, next.add(x));
-                    }
-                }
-            }
-            for (side, profile) in [&plan.setup.layer, &plan.high].into_iter().enumerate() {
-                let first = if side == 0 {
-                    layout.low_at
-                } else {
-                    layout.offset(layout.nx - width)
-                };
-                let memory = shared.layer_x.add((iy * 2 + side) * 3 * width);
-                for i in (0..width).step_by(NARROW) {
-                    let p = now.add(first + i);
-                    let layered =
-                        |p: *const f32| <S as Sweep<V::Narrow>>::layered(&narrow, p, 1, stride);
-                    let here = layered(p);
-                    let slopes = [here.sub(layered(p.sub(1))), layered(p.add(1)).sub(here)];
-                    let face = profile.face.as_ptr().add(i);
-                    let decay = [
-                        V::Narrow::load(face),
-                        V::Narrow::load(face.add(1)),
-                        V::Narrow::load(profile.cell.as_ptr().add(i)),
-                    ];
-                    layer_vector::<V::Narrow>(
-                        slopes,
-                        decay,
-                        memory.add(i),
-                        width,
-                        V::Narrow::splat(plan.setup.courant2),
-                        next.add(first + i),
-                    );
-                }
-            }
+            let next = levels.next.add(at);
             let next = std::slice::from_raw_parts_mut(next, stride);
             let walls = &plan.walls[iy];
             for correction in &walls.corrections {
                 let mut sum = 0.0_f32;
                 let entries = correction.first as usize..correction.end as usize;
                 for &(offset, weight) in &plan.entries[entries] {
-                    sum = weight.mul_add(*now_base.offset(at as isize + offset as isize), sum);
+                    sum = weight.mul_add(*levels.now.offset(at as isize + offset as isize), sum);
                 }
                 next[correction.at as usize] += sum;
             }
             for (offset, surface) in &walls.surfaces {
                 let velocity = shared.surfaces.add(surface.memory);
                 let before = *velocity;
-                let after = surface.velocity(before, *now_base.add(at + *offset as usize));
+                let after = surface.velocity(before, *levels.now.add(at + *offset as usize));
                 *velocity = after;
                 let p = &mut next[*offset as usize];
                 *p = surface.gain.mul_add(before - after, *p);
@@ -395,7 +351,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                     }
                 }
             }
-            layout.refresh_halos(next);
+            halo::refresh::<V>(layout, next.as_mut_ptr());
             let s = &forcing.receiver;
             if let Some(j) = iy.checked_sub(s.y0).filter(|&j| j < TAPS) {
                 let taps = s.wx.iter().enumerate();
@@ -405,29 +361,5 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                 sums[j].store(sum.to_bits(), Ordering::Relaxed);
             }
         }
-    }
-}
-
-/// The layer's recursion at a vector of cells whose memory lies at `memory`, three parts `part` apart.
-///
-/// # Safety
-/// A vector's numbers at `next` and at each part of the memory must be this thread's.
-#[inline(always)]
-unsafe fn layer_vector<V: Vector>(
-    slopes: [V; 2],
-    decay: [V; 3],
-    memory: *mut f32,
-    part: usize,
-    courant2: V,
-    next: *mut f32,
-) {
-    // SAFETY: the caller's promise.
-    unsafe {
-        let old = std::array::from_fn(|k| V::load(memory.add(k * part)));
-        let (new, change) = layer(slopes, decay, old);
-        for (k, value) in new.into_iter().enumerate() {
-            value.store(memory.add(k * part));
-        }
-        courant2.mul_add(change, V::load(next)).store(next);
     }
 }

@@ -17,6 +17,16 @@ impl<V: Vector> Sweep<V> for Slf {
         unsafe { V::load(at) }
     }
 
+    #[inline(always)]
+    unsafe fn cells(w: &Splat<V>, at: *const f32, stride: usize, past: V) -> V {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let sides = [V::load(at.sub(1)), V::load(at.add(1))];
+            let ends = [V::load(at.sub(stride)), V::load(at.add(stride))];
+            w.slf(V::load(at), sides, ends, past)
+        }
+    }
+
     const ROWS: usize = 8;
     const CHUNK: usize = 480;
 
@@ -26,14 +36,13 @@ impl<V: Vector> Sweep<V> for Slf {
         now: *const f32,
         next: *mut f32,
         stride: usize,
-        ahead: usize,
         vectors: usize,
         rows: usize,
     ) {
         // SAFETY: the caller's promise covers every offset used here.
         unsafe {
             let mut done = 0;
-            while ahead == V::LANES && done + HELD <= rows {
+            while done + HELD <= rows {
                 let (now, next) = (now.add(done * stride), next.add(done * stride));
                 let row = |i: usize| now.add(i * stride);
                 let mut here: [V; HELD] = std::array::from_fn(|i| V::load(row(i)));
@@ -59,7 +68,7 @@ impl<V: Vector> Sweep<V> for Slf {
                 let (row, target) = (now.add(i * stride), next.add(i * stride));
                 for j in 0..vectors {
                     let at = row.add(j * V::LANES);
-                    let sides = [V::load(at.sub(ahead)), V::load(at.add(ahead))];
+                    let sides = [V::load(at.sub(V::LANES)), V::load(at.add(V::LANES))];
                     let ends = [V::load(at.sub(stride)), V::load(at.add(stride))];
                     let target = target.add(j * V::LANES);
                     w.slf(V::load(at), sides, ends, V::load(target))

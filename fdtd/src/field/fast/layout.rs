@@ -29,7 +29,7 @@ pub(super) struct RowLayout {
     pub(super) high_at: usize,
     /// Distance between rows; a whole number of vectors and no multiple of 4 KiB.
     pub(super) stride: usize,
-    /// The strips, cut into narrow vectors.
+    /// The strips, cut into narrow vectors; those of the layers from the outside inwards.
     pub(super) columns: Vec<Column>,
 }
 
@@ -92,7 +92,7 @@ impl RowLayout {
             });
             foreign = 0;
         }
-        for i in (0..layer).step_by(NARROW) {
+        for i in (0..layer).step_by(NARROW).rev() {
             columns.push(Column {
                 at: layer_at + i,
                 foreign: 0,
@@ -188,7 +188,8 @@ mod tests {
             let plain: Vec<f32> = (1..=nx).map(|i| i as f32).collect();
             let mut row = vec![0.0; layout.stride];
             let own = |column: &Column| column.at + column.foreign..column.at + NARROW;
-            let in_strips: Vec<usize> = layout.columns.iter().flat_map(own).collect();
+            let mut in_strips: Vec<usize> = layout.columns.iter().flat_map(own).collect();
+            in_strips.sort_unstable();
             let strips = (0..nx).filter(|ix| !in_centre(&layout, *ix));
             let expected: Vec<usize> = strips.map(|ix| layout.offset(ix)).collect();
             assert_eq!(in_strips, expected, "nx {nx}");

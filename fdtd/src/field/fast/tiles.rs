@@ -40,11 +40,19 @@ impl Tile {
     }
 }
 
-/// The tiles of both phases for `threads` strips of `ny` rows, `steps` steps and stencil radius `radius`.
+/// The tiles of both phases for `threads` strips of `ny` rows, `steps` steps and stencil radius `radius`. The first and the
+/// last `layer` rows only belong to the first and the last strip: rows of a layer share the memory of their faces and must be taken
+/// in ascending order.
 ///
-/// With fewer than `2 radius steps` rows per strip, fewer strips are made.
-pub(super) fn tiles(ny: usize, threads: usize, steps: usize, radius: usize) -> [Vec<Tile>; 2] {
-    let least = (2 * radius * steps).max(1);
+/// With fewer than `2 radius steps` rows per strip, or `radius steps` beside a layer, fewer strips are made.
+pub(super) fn tiles(
+    ny: usize,
+    threads: usize,
+    steps: usize,
+    radius: usize,
+    layer: usize,
+) -> [Vec<Tile>; 2] {
+    let least = (radius * steps + layer.max(radius * steps)).max(1);
     let strips = threads.min(ny / least).max(1);
     let border = |k: usize| (k * ny / strips) as isize;
     let radius = radius as isize;
@@ -76,12 +84,21 @@ mod tests {
             [(40, 1, 8, 2), (97, 3, 8, 1), (200, 4, 12, 2), (33, 8, 2, 2)]
         {
             let mut done = vec![0usize; ny];
-            for phase in tiles(ny, threads, steps, radius) {
+            let layer = ny / 8;
+            for phase in tiles(ny, threads, steps, radius, layer) {
                 for tile in phase {
                     for step in 0..steps {
                         let (low, high) = tile.rows(step);
                         for row in low..high {
                             assert_eq!(done[row], step, "row {row} taken out of turn");
+                            if row > 0 && (row < layer || row + layer > ny) {
+                                let below = done[row - 1];
+                                assert_eq!(
+                                    below,
+                                    step + 1,
+                                    "layer's row {row} before the one below"
+                                );
+                            }
                             let near = row.saturating_sub(radius)..(row + radius + 1).min(ny);
                             assert!(
                                 done[near].iter().all(|d| (step..=step + 1).contains(d)),

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::super::super::layer_row;
-use super::super::super::stencil::{Splat, layer};
+use super::super::super::stencil::{Splat, face_memory, layer_cell};
 use super::super::Plan;
 use super::super::layout::Column;
 use super::sweep::Sweep;
@@ -82,11 +82,14 @@ unsafe fn layer_column<V: Vector, S: Sweep<V>>(
     rows: Range<usize>,
 ) {
     let stride = plan.layout.stride;
-    let width = plan.setup.layer.width();
     let courant2 = V::splat(plan.setup.courant2);
     let profile = [&plan.setup.layer, &plan.high][side];
     // SAFETY: the profile has a face more than cells, and these a multiple of eight; offsets come from the layout.
     unsafe {
+        let [face_at, cell_at] = plan.memory_x.at(side);
+        let memory = shared.layer_x.add(first);
+        let memory = [memory.add(face_at), memory.add(cell_at)];
+        let inner = if side == 0 { 1 } else { -1 };
         let face = profile.face.as_ptr().add(first);
         let decay = [
             V::load(face),
@@ -103,8 +106,22 @@ unsafe fn layer_column<V: Vector, S: Sweep<V>>(
             let layered = |at: *const f32| S::layered(weights, at, 1, stride);
             let here = layered(now);
             let slopes = [here.sub(layered(now.sub(1))), layered(now.add(1)).sub(here)];
-            let memory = shared.layer_x.add((iy * 2 + side) * 3 * width + first);
-            absorb(slopes, decay, memory, width, courant2, p, 0).store(next);
+            let row = iy * plan.memory_x.stride();
+            let (face, cell) = (memory[0].add(row), memory[1].add(row));
+            // The column farther in, which has the inner face of the last cell, comes later.
+            let (outer, inner) = (V::load(face), V::load(face.offset(inner)));
+            let faces = if side == 0 {
+                [outer, inner]
+            } else {
+                [inner, outer]
+            };
+            // Written out: a closure that is not inlined would call every vector instruction as a function.
+            let lower = face_memory(decay[0], faces[0], slopes[0]);
+            let upper = face_memory(decay[1], faces[1], slopes[1]);
+            let (zeta, change) = layer_cell(slopes, [lower, upper], decay[2], V::load(cell));
+            [lower, upper][side].store(face);
+            zeta.store(cell);
+            courant2.mul_add(change, p).store(next);
         }
     }
 }
@@ -183,8 +200,9 @@ struct LayerRow {
     stride: usize,
     courant2: f32,
     decay: [f32; 3],
-    /// Memory of its first cell.
-    memory: *mut f32,
+    high: bool,
+    /// Memory of its outer face.
+    face: *mut f32,
 }
 
 impl LayerRow {
@@ -193,20 +211,20 @@ impl LayerRow {
     fn new(plan: &Plan, shared: Shared, iy: usize) -> Option<Self> {
         let decay = plan.row_decay[iy]?;
         let row = layer_row(plan.setup.layer.cells(), plan.setup.ny, iy)?;
-        let stride = plan.layout.stride;
         Some(Self {
-            stride,
+            stride: plan.layout.stride,
             courant2: plan.setup.courant2,
             decay,
-            memory: shared.layer_y.wrapping_add(row * 3 * stride),
+            high: plan.memory_y.is_high(row),
+            face: shared.layer_y.wrapping_add(plan.memory_y.face(row)),
         })
     }
 
     /// New pressure after the layer of the vector at `now`, `x` from the start of the row, from the one before; `ahead` is the
-    /// distance of the next cell along x in memory.
+    /// distance of the next cell along x in memory. The memory of the first `foreign` cells stays as it is.
     ///
     /// # Safety
-    /// The vector's memory must be this thread's, what the layer reads of `now` be readable.
+    /// The vector's memory must be this thread's, what the layer reads of `now` be readable, and the row below done but not the row above.
     #[inline(always)]
     unsafe fn absorb<V: Vector, S: Sweep<V>>(
         &self,
@@ -227,47 +245,30 @@ impl LayerRow {
                 layered(now.add(stride)).sub(here),
             ];
             let decay = self.decay.map(V::splat);
-            let courant2 = V::splat(self.courant2);
-            absorb(
-                slopes,
-                decay,
-                self.memory.add(x),
-                stride,
-                courant2,
-                p,
-                foreign,
-            )
-        }
-    }
-}
-
-/// The layer's recursion at a vector of cells whose memory lies at `memory`, three parts `part` apart, of which the first `foreign`
-/// stay as they are; gives the new pressure from that without layer.
-///
-/// # Safety
-/// A vector's numbers at each part of the memory must be this thread's.
-#[inline(always)]
-unsafe fn absorb<V: Vector>(
-    slopes: [V; 2],
-    decay: [V; 3],
-    memory: *mut f32,
-    part: usize,
-    courant2: V,
-    p: V,
-    foreign: usize,
-) -> V {
-    // SAFETY: the caller's promise.
-    unsafe {
-        let old = std::array::from_fn(|k| V::load(memory.add(k * part)));
-        let (new, change) = layer(slopes, decay, old);
-        for (k, (value, old)) in new.into_iter().zip(old).enumerate() {
-            let value = if foreign == 0 {
-                value
+            let face = self.face.add(x);
+            let cell = face.add(stride);
+            let (outer, old) = (V::load(face), V::load(cell));
+            let faces = if self.high {
+                // The row below has left the new memory of the face between.
+                let lower = V::load(face.sub(2 * stride));
+                [lower, face_memory(decay[1], outer, slopes[1])]
             } else {
-                value.after(old, foreign)
+                let inner = V::load(face.add(2 * stride));
+                [
+                    face_memory(decay[0], outer, slopes[0]),
+                    face_memory(decay[1], inner, slopes[1]),
+                ]
             };
-            value.store(memory.add(k * part));
+            let (zeta, change) = layer_cell(slopes, faces, decay[2], old);
+            let new = faces[usize::from(self.high)];
+            if foreign == 0 {
+                new.store(face);
+                zeta.store(cell);
+            } else {
+                new.after(outer, foreign).store(face);
+                zeta.after(old, foreign).store(cell);
+            }
+            V::splat(self.courant2).mul_add(change, p)
         }
-        courant2.mul_add(change, p)
     }
 }

@@ -46,9 +46,9 @@ use crate::spread::TAPS;
 pub(super) struct Shared {
     /// Level of the first step, and the past that it overwrites; both start at the first row of the rim.
     pub(super) levels: [*mut f32; 2],
-    /// Layer memory along x, `[iy, 6, width]`.
+    /// Layer memory along x, see `memory`.
     pub(super) layer_x: *mut f32,
-    /// Layer memory along y, `[row of layer, 3, stride]`.
+    /// Layer memory along y, see `memory`.
     pub(super) layer_y: *mut f32,
     /// Velocities into surfaces that are not rigid; those of a row belong to who writes the row.
     pub(super) surfaces: *mut f32,

@@ -40,8 +40,8 @@ impl<V: Vector> Sweep<V> for M13 {
         }
     }
 
-    const ROWS: usize = 16;
-    const CHUNK: usize = 240;
+    const ROWS: usize = 24;
+    const CHUNK: usize = 480;
 
     #[inline(always)]
     unsafe fn rows(

@@ -27,7 +27,7 @@ impl<V: Vector> Sweep<V> for Slf {
         }
     }
 
-    const ROWS: usize = 8;
+    const ROWS: usize = 24;
     const CHUNK: usize = 480;
 
     #[inline(always)]

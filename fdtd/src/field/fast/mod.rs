@@ -2,19 +2,18 @@
 //!
 //! * `layout`: lane-transposed rows, so that loads are aligned and shared between columns.
 //! * `memory`: what the absorbing layers remember.
-//! * `tiles`: time blocks of strips and triangles, so that threads meet twice per block.
+//! * `tiles`: time blocks of strips of rows, so that threads meet once per block; `team`: these threads.
 //! * `kernel`: the sweeps, a wavefront of short blocks of rows that keeps the rows of all steps of a block in cache, and the
 //!   vectors of eight or sixteen numbers they are written with.
 
 mod kernel;
 mod layout;
 mod memory;
+mod team;
 mod tiles;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-use rayon::prelude::*;
 
 pub use kernel::InstructionSet;
 #[cfg(target_arch = "x86_64")]
@@ -23,6 +22,7 @@ pub(in crate::field) use kernel::{with_avx2, with_avx512};
 use self::kernel::Shared;
 use self::layout::RowLayout;
 use self::memory::{MemoryX, MemoryY};
+use self::team::Team;
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows};
 use crate::pml::Profile;
 use crate::spread::TAPS;
@@ -102,7 +102,7 @@ impl Level {
 #[derive(Debug)]
 pub struct FastField {
     plan: Arc<Plan>,
-    pool: Option<rayon::ThreadPool>,
+    team: Team,
     threads: usize,
     now: Level,
     other: Level,
@@ -137,13 +137,6 @@ impl FastField {
             _ => best,
         };
         let threads = threads.max(1);
-        let pool = (threads > 1).then(|| {
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .thread_name(|k| format!("field-{k}"))
-                .build()
-                .expect("the operating system gives threads")
-        });
         let layout = RowLayout::new(
             setup.nx,
             setup.layer.width(),
@@ -159,7 +152,7 @@ impl FastField {
             layer_y: Level::silent(plan.memory_y.len(), 0),
             surfaces: vec![0.0; plan.setup.walls.surface_count()],
             plan: Arc::new(plan),
-            pool,
+            team: Team::new(threads),
             threads,
         }
     }
@@ -182,16 +175,14 @@ impl FastField {
             layer_y: self.layer_y.numbers_mut().as_mut_ptr(),
             surfaces: self.surfaces.as_mut_ptr(),
         };
-        let phases = tiles::tiles(
+        let tiles = tiles::tiles(
             plan.setup.ny,
             self.threads,
             steps.len(),
             plan.setup.scheme.radius(),
             plan.setup.layer.cells(),
         );
-        for phase in &phases {
-            kernel::run_phase(&plan, shared, phase, steps, &sums, self.pool.as_ref());
-        }
+        kernel::run_block(&plan, shared, &tiles, steps, &sums, &self.team);
         if steps.len() % 2 == 1 {
             std::mem::swap(&mut self.now, &mut self.other);
         }
@@ -310,19 +301,5 @@ impl Field for FastField {
         self.row(&self.now, turn % self.plan.setup.ny)
             .iter()
             .all(|p| p.is_finite())
-    }
-}
-
-/// Runs the tiles of one phase, side by side when there are threads for it.
-fn for_each_tile(
-    pool: Option<&rayon::ThreadPool>,
-    tiles: &[tiles::Tile],
-    run: impl Fn(&tiles::Tile) + Sync + Send,
-) {
-    match pool {
-        Some(pool) if tiles.len() > 1 => {
-            pool.install(|| tiles.par_iter().with_max_len(1).for_each(run))
-        }
-        _ => tiles.iter().for_each(run),
     }
 }

@@ -8,8 +8,8 @@
 //!
 //! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same
 //! time, which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said
-//! in `tiles`: which rows a tile reads and writes, and that no two tiles of a phase touch the same row in
-//! conflicting ways. All pointers stay inside the buffers because the layout gives every row a halo of
+//! in `tiles`: which rows a tile reads and writes, and for which of another tile's it waits, so that no two tiles touch the same
+//! row at the same time in conflicting ways. All pointers stay inside the buffers because the layout gives every row a halo of
 //! vectors and the buffers a rim of rows as wide as the stencil reaches.
 #![expect(
     unsafe_code,
@@ -36,6 +36,7 @@ use self::vector::{Plain, Vector};
 use super::super::StepForcing;
 use super::super::stencil::Splat;
 use super::layout::{NARROW, WIDE};
+use super::team::{Front, Team};
 use super::tiles::Tile;
 use super::{Line, Plan};
 use crate::scheme::Scheme;
@@ -104,20 +105,23 @@ impl InstructionSet {
     }
 }
 
-/// Runs the tiles of one phase of a time block, side by side on `pool`.
-pub(super) fn run_phase(
+/// Where a tile stands among the others: its own front, and that of the tile above.
+type Fronts<'a> = (&'a Front, Option<&'a Front>);
+
+/// Runs the tiles of one time block, side by side on `team`.
+pub(super) fn run_block(
     plan: &Plan,
     shared: Shared,
     tiles: &[Tile],
     steps: &[StepForcing],
     sums: &RowSums,
-    pool: Option<&rayon::ThreadPool>,
+    team: &Team,
 ) {
-    super::for_each_tile(pool, tiles, |tile| {
+    team.run(tiles, |tile, own, above| {
         // Capture the whole of `shared`, which may be sent, not its pointers one by one.
         let shared = &shared;
-        // SAFETY: tiles of one phase are disjoint as `tiles` says, and the caller holds the field mutably.
-        unsafe { run_tile(plan, *shared, tile, steps, sums) }
+        // SAFETY: tiles keep apart as `tiles` says, and the caller holds the field mutably.
+        unsafe { run_tile(plan, *shared, tile, steps, sums, (own, above)) }
     });
 }
 
@@ -136,39 +140,48 @@ pub(super) fn flat_mut(lines: &mut [Line]) -> &mut [f32] {
 /// Runs one tile of a time block.
 ///
 /// # Safety
-/// `shared` must hold the buffers of `plan`, and no other thread may touch the rows that `tile` writes, or write those
-/// that it reads, while it runs.
+/// `shared` must hold the buffers of `plan`, and the rows of `tile` be touched by no other thread but those that run the other tiles
+/// of the block, with these fronts.
 pub(super) unsafe fn run_tile(
     plan: &Plan,
     shared: Shared,
     tile: &Tile,
     steps: &[StepForcing],
     sums: &RowSums,
+    fronts: Fronts<'_>,
 ) {
     // SAFETY: the caller's promise; the instruction set was detected on this machine.
     unsafe {
         match (plan.instructions, plan.setup.scheme) {
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx512, Scheme::Slf) => avx512_slf(plan, shared, tile, steps, sums),
+            (InstructionSet::Avx512, Scheme::Slf) => {
+                avx512_slf(plan, shared, tile, steps, sums, fronts)
+            }
             #[cfg(target_arch = "x86_64")]
             (InstructionSet::Avx512, Scheme::M13 | Scheme::O13) => {
-                avx512_m13(plan, shared, tile, steps, sums);
+                avx512_m13(plan, shared, tile, steps, sums, fronts);
             }
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx512, Scheme::D25) => avx512_d25(plan, shared, tile, steps, sums),
+            (InstructionSet::Avx512, Scheme::D25) => {
+                avx512_d25(plan, shared, tile, steps, sums, fronts)
+            }
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx2, Scheme::Slf) => avx2_slf(plan, shared, tile, steps, sums),
+            (InstructionSet::Avx2, Scheme::Slf) => {
+                avx2_slf(plan, shared, tile, steps, sums, fronts)
+            }
             #[cfg(target_arch = "x86_64")]
             (InstructionSet::Avx2, Scheme::M13 | Scheme::O13) => {
-                avx2_m13(plan, shared, tile, steps, sums);
+                avx2_m13(plan, shared, tile, steps, sums, fronts);
             }
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx2, Scheme::D25) => avx2_d25(plan, shared, tile, steps, sums),
-            (_, Scheme::Slf) => sweep_tile::<Plain, Slf>(plan, shared, tile, steps, sums),
-            (_, Scheme::M13 | Scheme::O13) => {
-                sweep_tile::<Plain, M13>(plan, shared, tile, steps, sums);
+            (InstructionSet::Avx2, Scheme::D25) => {
+                avx2_d25(plan, shared, tile, steps, sums, fronts)
             }
-            (_, Scheme::D25) => sweep_tile::<Plain, D25>(plan, shared, tile, steps, sums),
+            (_, Scheme::Slf) => sweep_tile::<Plain, Slf>(plan, shared, tile, steps, sums, fronts),
+            (_, Scheme::M13 | Scheme::O13) => {
+                sweep_tile::<Plain, M13>(plan, shared, tile, steps, sums, fronts);
+            }
+            (_, Scheme::D25) => sweep_tile::<Plain, D25>(plan, shared, tile, steps, sums, fronts),
         }
     }
 }
@@ -183,9 +196,10 @@ macro_rules! instantiate {
             tile: &Tile,
             steps: &[StepForcing],
             sums: &RowSums,
+            fronts: Fronts<'_>,
         ) {
             // SAFETY: the caller's promise.
-            unsafe { sweep_tile::<$vector, $sweep>(plan, shared, tile, steps, sums) }
+            unsafe { sweep_tile::<$vector, $sweep>(plan, shared, tile, steps, sums, fronts) }
         }
     };
 }
@@ -243,19 +257,25 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     tile: &Tile,
     steps: &[StepForcing],
     sums: &RowSums,
+    (own, above): Fronts<'_>,
 ) {
     let weights = Splat::<V>::new(&plan.setup.weights);
     let radius = plan.setup.scheme.radius();
     let (begin, end) = tile.sweep(steps.len());
+    let block = <S as Sweep<V>>::ROWS as isize;
+    let (shared_rows, needed) = tile.waits_from(steps.len());
+    let mut above = above;
     let mut base = begin;
     while base < end + (radius * steps.len()) as isize {
+        if base + block > shared_rows
+            && let Some(above) = above.take()
+        {
+            above.wait_for(needed);
+        }
         for step in 0..steps.len() {
             let (low, high) = tile.rows(step);
             let from = base - (radius * step) as isize;
-            let (first, last) = (
-                from.max(low as isize),
-                (from + <S as Sweep<V>>::ROWS as isize).min(high as isize),
-            );
+            let (first, last) = (from.max(low as isize), (from + block).min(high as isize));
             if first < last {
                 // SAFETY: the caller's promise; rows first..last belong to this tile at this step.
                 unsafe {
@@ -272,7 +292,8 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                 }
             }
         }
-        base += <S as Sweep<V>>::ROWS as isize;
+        base += block;
+        own.reached(base);
     }
 }
 

@@ -25,103 +25,120 @@ pub(super) unsafe fn strips<V: Vector, S: Sweep<V>>(
     levels: Levels,
     rows: Range<usize>,
 ) {
-    let weights = Splat::<V>::new(&plan.setup.weights);
+    // Rows of a layer along y apart from the others, whose loops are then short enough for the registers.
+    let cells = plan.setup.layer.cells();
+    let inside = |iy: usize| iy.clamp(rows.start, rows.end);
+    let (low, high) = (inside(cells), inside(plan.setup.ny - cells));
+    // SAFETY: the caller's promise.
+    unsafe {
+        if rows.start < low {
+            strip_rows::<V, S, true>(plan, shared, levels, rows.start..low);
+        }
+        if low < high {
+            strip_rows::<V, S, false>(plan, shared, levels, low..high);
+        }
+        if high < rows.end {
+            strip_rows::<V, S, true>(plan, shared, levels, high..rows.end);
+        }
+    }
+}
+
+/// [`strips`] for rows that all belong to a layer along y (`ALONG_Y`), or none.
+///
+/// # Safety
+/// As [`strips`].
+#[inline(always)]
+unsafe fn strip_rows<V: Vector, S: Sweep<V>, const ALONG_Y: bool>(
+    plan: &Plan,
+    shared: Shared,
+    levels: Levels,
+    rows: Range<usize>,
+) {
+    let weights = &Splat::<V>::new(&plan.setup.weights);
     for column in &plan.layout.columns {
+        let rows = rows.clone();
         // SAFETY: the caller's promise.
         unsafe {
-            match (column.layer, column.foreign) {
-                (Some((side, first)), 0) => {
-                    let strip = (side, first);
-                    layer_column::<V, S>(
-                        plan,
-                        shared,
-                        levels,
-                        &weights,
-                        column,
-                        strip,
-                        rows.clone(),
-                    );
+            match column.layer {
+                Some((0, first)) => layer_column::<V, S, 0, ALONG_Y>(
+                    plan, shared, levels, weights, column.at, first, rows,
+                ),
+                Some((_, first)) => layer_column::<V, S, 1, ALONG_Y>(
+                    plan, shared, levels, weights, column.at, first, rows,
+                ),
+                None if column.foreign == 0 => {
+                    plain_column::<V, S, true, ALONG_Y>(plan, shared, levels, weights, column, rows)
                 }
-                (_, 0) => {
-                    plain_column::<V, S, true>(
-                        plan,
-                        shared,
-                        levels,
-                        &weights,
-                        column,
-                        rows.clone(),
-                    );
-                }
-                _ => {
-                    plain_column::<V, S, false>(
-                        plan,
-                        shared,
-                        levels,
-                        &weights,
-                        column,
-                        rows.clone(),
-                    );
-                }
+                None => plain_column::<V, S, false, ALONG_Y>(
+                    plan, shared, levels, weights, column, rows,
+                ),
             }
         }
     }
 }
 
-/// One step of some rows of a column in the layer along x.
+/// One step of some rows of the column at `x`, whose cells in the layer along x on side `SIDE` (0 low, 1 high) begin with `first`.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
 #[inline(always)]
-unsafe fn layer_column<V: Vector, S: Sweep<V>>(
+unsafe fn layer_column<V: Vector, S: Sweep<V>, const SIDE: usize, const ALONG_Y: bool>(
     plan: &Plan,
     shared: Shared,
     levels: Levels,
     weights: &Splat<V>,
-    column: &Column,
-    (side, first): (usize, usize),
+    x: usize,
+    first: usize,
     rows: Range<usize>,
 ) {
     let stride = plan.layout.stride;
     let courant2 = V::splat(plan.setup.courant2);
-    let profile = [&plan.setup.layer, &plan.high][side];
+    let profile = if SIDE == 0 {
+        &plan.setup.layer
+    } else {
+        &plan.high
+    };
+    let [face_at, cell_at] = plan.memory_x.at(SIDE);
+    let memory_stride = plan.memory_x.stride();
     // SAFETY: the profile has a face more than cells, and these a multiple of eight; offsets come from the layout.
     unsafe {
-        let [face_at, cell_at] = plan.memory_x.at(side);
-        let memory = shared.layer_x.add(first);
-        let memory = [memory.add(face_at), memory.add(cell_at)];
-        let inner = if side == 0 { 1 } else { -1 };
         let face = profile.face.as_ptr().add(first);
         let decay = [
             V::load(face),
             V::load(face.add(1)),
             V::load(profile.cell.as_ptr().add(first)),
         ];
+        let at = (rows.start + plan.layout.halo) * stride + x;
+        let (mut now, mut next) = (levels.now.add(at), levels.next.add(at));
+        let mut memory = shared.layer_x.add(rows.start * memory_stride + first);
         for iy in rows {
-            let at = (iy + plan.layout.halo) * stride + column.at;
-            let (now, next) = (levels.now.add(at), levels.next.add(at));
             let mut p = S::cells(weights, now, stride, V::load(next));
-            if let Some(along_y) = LayerRow::new(plan, shared, iy) {
-                p = along_y.absorb::<V, S>(weights, now, 1, column.at, p, 0);
+            if ALONG_Y && let Some(along_y) = LayerRow::new(plan, shared, iy) {
+                p = along_y.absorb::<V, S>(weights, now, 1, x, p, 0);
             }
-            let layered = |at: *const f32| S::layered(weights, at, 1, stride);
-            let here = layered(now);
-            let slopes = [here.sub(layered(now.sub(1))), layered(now.add(1)).sub(here)];
-            let row = iy * plan.memory_x.stride();
-            let (face, cell) = (memory[0].add(row), memory[1].add(row));
+            let here = S::layered(weights, now, 1, stride);
+            let west = S::layered(weights, now.sub(1), 1, stride);
+            let east = S::layered(weights, now.add(1), 1, stride);
+            let slopes = [here.sub(west), east.sub(here)];
+            let (face, cell) = (memory.add(face_at), memory.add(cell_at));
             // The column farther in, which has the inner face of the last cell, comes later.
-            let (outer, inner) = (V::load(face), V::load(face.offset(inner)));
-            let faces = if side == 0 {
+            let inner = if SIDE == 0 { face.add(1) } else { face.sub(1) };
+            let (outer, inner) = (V::load(face), V::load(inner));
+            let old = if SIDE == 0 {
                 [outer, inner]
             } else {
                 [inner, outer]
             };
             // Written out: a closure that is not inlined would call every vector instruction as a function.
-            let lower = face_memory(decay[0], faces[0], slopes[0]);
-            let upper = face_memory(decay[1], faces[1], slopes[1]);
+            let lower = face_memory(decay[0], old[0], slopes[0]);
+            let upper = face_memory(decay[1], old[1], slopes[1]);
             let (zeta, change) = layer_cell(slopes, [lower, upper], decay[2], V::load(cell));
-            [lower, upper][side].store(face);
+            (if SIDE == 0 { lower } else { upper }).store(face);
             zeta.store(cell);
             courant2.mul_add(change, p).store(next);
+            now = now.add(stride);
+            next = next.add(stride);
+            memory = memory.add(memory_stride);
         }
     }
 }
@@ -131,7 +148,7 @@ unsafe fn layer_column<V: Vector, S: Sweep<V>>(
 /// # Safety
 /// As [`super::run_tile`], for these rows.
 #[inline(always)]
-unsafe fn plain_column<V: Vector, S: Sweep<V>, const WHOLE: bool>(
+unsafe fn plain_column<V: Vector, S: Sweep<V>, const WHOLE: bool, const ALONG_Y: bool>(
     plan: &Plan,
     shared: Shared,
     levels: Levels,
@@ -148,7 +165,7 @@ unsafe fn plain_column<V: Vector, S: Sweep<V>, const WHOLE: bool>(
             let (now, next) = (levels.now.add(at), levels.next.add(at));
             let past = V::load(next);
             let mut p = S::cells(weights, now, stride, past);
-            if let Some(along_y) = LayerRow::new(plan, shared, iy) {
+            if ALONG_Y && let Some(along_y) = LayerRow::new(plan, shared, iy) {
                 p = along_y.absorb::<V, S>(weights, now, 1, column.at, p, foreign);
             }
             let p = if WHOLE { p } else { p.after(past, foreign) };

@@ -105,6 +105,9 @@ impl InstructionSet {
     }
 }
 
+/// Rows whose strips and halos are done together: what they touch stays in the first-level cache.
+const EDGE_ROWS: usize = 8;
+
 /// Where a tile stands among the others: its own front, and that of the tile above.
 type Fronts<'a> = (&'a Front, Option<&'a Front>);
 
@@ -337,8 +340,11 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             layers::along_y::<V, S>(plan, shared, levels, weights, vectors, rows.clone());
         }
         // After the centre: the single cells of the halo that strips read were stored long ago by then.
-        layers::strips::<V::Narrow, S>(plan, shared, levels, rows.clone());
-        for iy in rows {
+        for iy in rows.clone() {
+            if (iy - rows.start).is_multiple_of(EDGE_ROWS) {
+                let few = iy..rows.end.min(iy + EDGE_ROWS);
+                layers::strips::<V::Narrow, S>(plan, shared, levels, few);
+            }
             let at = (iy + layout.halo) * stride;
             let next = levels.next.add(at);
             let next = std::slice::from_raw_parts_mut(next, stride);

@@ -45,6 +45,7 @@ impl<V: Vector> Sweep<V> for Slf {
             while done + HELD <= rows {
                 let (now, next) = (now.add(done * stride), next.add(done * stride));
                 let row = |i: usize| now.add(i * stride);
+                let mut west: [V; HELD] = std::array::from_fn(|i| V::load(row(i).sub(V::LANES)));
                 let mut here: [V; HELD] = std::array::from_fn(|i| V::load(row(i)));
                 for j in 0..vectors {
                     let at = j * V::LANES;
@@ -56,10 +57,10 @@ impl<V: Vector> Sweep<V> for Slf {
                         let below = if i == 0 { south } else { here[i - 1] };
                         let above = if i + 1 == HELD { north } else { here[i + 1] };
                         let target = next.add(i * stride + at);
-                        let west = V::load(row(i).add(at).sub(V::LANES));
-                        w.slf(here[i], [west, east[i]], [below, above], V::load(target))
+                        w.slf(here[i], [west[i], east[i]], [below, above], V::load(target))
                             .store(target);
                     }
+                    west = here;
                     here = east;
                 }
                 done += HELD;

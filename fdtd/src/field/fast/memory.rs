@@ -1,8 +1,8 @@
 //! Where the layers' recursions keep what they remember.
 //!
-//! A face between two cells of a layer is both the upper face of one and the lower face of the other. Its memory is kept once, by the
-//! cell on its outer side's inside, so that every cell keeps two numbers instead of three; the innermost face of a layer does
-//! not decay and remembers zero. Checkpoints hold both copies.
+//! A face between two cells of a layer is the upper face of one and the lower face of the other. Its memory is kept once: every cell
+//! keeps its own and that of its outer face, two numbers instead of three. The innermost face of a layer does not decay and
+//! remembers zero. Checkpoints hold both copies.
 
 use super::LINE;
 use super::layout::RowLayout;

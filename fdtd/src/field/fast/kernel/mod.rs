@@ -4,7 +4,7 @@
 //! * `sweep`, `slf`, `m13`, `d25`: the plain stencils;
 //! * `layers`: the strips beside the centre, and the absorbing layers;
 //! * `halo`: the cells that rows hold twice;
-//! * `vector`: eight or sixteen numbers of an instruction set.
+//! * `instructions`: which instruction sets there are; `vector`: eight or sixteen numbers of one.
 //!
 //! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same
 //! time, which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said
@@ -18,6 +18,7 @@
 
 mod d25;
 mod halo;
+mod instructions;
 mod layers;
 mod m13;
 mod slf;
@@ -25,6 +26,10 @@ mod sweep;
 mod vector;
 
 use std::sync::atomic::{AtomicU64, Ordering};
+
+pub use self::instructions::InstructionSet;
+#[cfg(target_arch = "x86_64")]
+pub(in crate::field) use self::instructions::{with_avx2, with_avx512};
 
 use self::d25::D25;
 use self::m13::M13;
@@ -35,7 +40,6 @@ use self::vector::{Avx, Avx512};
 use self::vector::{Plain, Vector};
 use super::super::StepForcing;
 use super::super::stencil::Splat;
-use super::layout::{NARROW, WIDE};
 use super::team::{Front, Team};
 use super::tiles::Tile;
 use super::{Line, Plan};
@@ -70,40 +74,6 @@ unsafe impl Sync for Shared {}
 
 /// Sums that the receiver's rows leave, `[step, row of stencil]`, as bits of `f64`.
 pub(super) type RowSums = [[AtomicU64; TAPS]];
-
-/// Instruction sets that the sweeps are compiled for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InstructionSet {
-    /// AVX-512 (F and VL) with fused multiply-add, sixteen numbers at a time.
-    Avx512,
-    /// AVX2 with fused multiply-add.
-    Avx2,
-    /// What the target has by default (NEON on 64-bit Arm).
-    Portable,
-}
-
-impl InstructionSet {
-    /// Numbers in one of its vectors.
-    pub(super) fn lanes(self) -> usize {
-        match self {
-            Self::Avx512 => WIDE,
-            Self::Avx2 | Self::Portable => NARROW,
-        }
-    }
-
-    /// The best one of this machine.
-    pub fn detect() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::is_x86_feature_detected as has;
-            if has!("avx2") && has!("fma") {
-                let wide = has!("avx512f") && has!("avx512vl");
-                return if wide { Self::Avx512 } else { Self::Avx2 };
-            }
-        }
-        Self::Portable
-    }
-}
 
 /// Rows whose strips and halos are done together: what they touch stays in the first-level cache.
 const EDGE_ROWS: usize = 8;
@@ -212,42 +182,6 @@ instantiate!(avx512_d25, Avx512, D25, "avx512f,avx512vl,avx2,fma");
 instantiate!(avx2_slf, Avx, Slf, "avx2,fma");
 instantiate!(avx2_m13, Avx, M13, "avx2,fma");
 instantiate!(avx2_d25, Avx, D25, "avx2,fma");
-
-/// Runs `work` compiled for AVX2 with fused multiply-add.
-///
-/// # Panics
-/// When the machine has no such instructions.
-#[cfg(target_arch = "x86_64")]
-pub(in crate::field) fn with_avx2<R>(work: impl FnOnce() -> R) -> R {
-    #[target_feature(enable = "avx2,fma")]
-    fn inside<R>(work: impl FnOnce() -> R) -> R {
-        work()
-    }
-    assert!(
-        InstructionSet::detect() != InstructionSet::Portable,
-        "no AVX2 with FMA here"
-    );
-    // SAFETY: just checked.
-    unsafe { inside(work) }
-}
-
-/// Runs `work` compiled for AVX-512.
-///
-/// # Panics
-/// When the machine has no such instructions.
-#[cfg(target_arch = "x86_64")]
-pub(in crate::field) fn with_avx512<R>(work: impl FnOnce() -> R) -> R {
-    #[target_feature(enable = "avx512f,avx512vl,avx2,fma")]
-    fn inside<R>(work: impl FnOnce() -> R) -> R {
-        work()
-    }
-    assert!(
-        InstructionSet::detect() == InstructionSet::Avx512,
-        "no AVX-512 here"
-    );
-    // SAFETY: just checked.
-    unsafe { inside(work) }
-}
 
 /// All steps of a tile: a wavefront of short row blocks, step after step, each one radius behind the one before.
 ///

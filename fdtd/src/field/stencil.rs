@@ -175,11 +175,30 @@ pub(super) fn layer<N: Number>(
     decay: [N; 3],
     memory: LayerMemory<N>,
 ) -> (LayerMemory<N>, N) {
-    let one = N::splat(1.0);
-    let recurse = |b: N, old: N, drive: N| b.mul_add(old, b.sub(one).mul(drive));
-    let psi_lower = recurse(decay[0], memory[0], lower);
-    let psi_upper = recurse(decay[1], memory[1], upper);
-    let bend = psi_upper.sub(psi_lower);
-    let zeta = recurse(decay[2], memory[2], upper.sub(lower).add(bend));
-    ([psi_lower, psi_upper, zeta], bend.add(zeta))
+    let faces = [
+        face_memory(decay[0], memory[0], lower),
+        face_memory(decay[1], memory[1], upper),
+    ];
+    let (zeta, change) = layer_cell([lower, upper], faces, decay[2], memory[2]);
+    ([faces[0], faces[1], zeta], change)
+}
+
+/// Memory of a face (or cell) with this decay after a step, from that before it and what drives it.
+#[inline(always)]
+pub(super) fn face_memory<N: Number>(decay: N, old: N, drive: N) -> N {
+    decay.mul_add(old, decay.sub(N::splat(1.0)).mul(drive))
+}
+
+/// The cell's part of [`layer`], from the slopes, the memory of the faces after this step, and the cell's decay and memory before it:
+/// the cell's memory after it, and what to add to the plain step.
+#[inline(always)]
+pub(super) fn layer_cell<N: Number>(
+    [lower, upper]: [N; 2],
+    faces: [N; 2],
+    decay: N,
+    memory: N,
+) -> (N, N) {
+    let bend = faces[1].sub(faces[0]);
+    let zeta = face_memory(decay, memory, upper.sub(lower).add(bend));
+    (zeta, bend.add(zeta))
 }

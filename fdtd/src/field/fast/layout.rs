@@ -9,10 +9,6 @@
 pub(super) const NARROW: usize = 8;
 /// Lanes of vectors of 512 bits.
 pub(super) const WIDE: usize = 16;
-/// Narrowest halo.
-const HALO: usize = 2;
-/// Narrowest strip that is worth a part of its own.
-const STRIP: usize = 24;
 
 /// Sizes and offsets of a row, in `f32`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,7 +20,7 @@ pub(super) struct RowLayout {
     pub(super) halo: usize,
     /// Cells of the low strip.
     pub(super) low: usize,
-    /// Vectors of the centre; zero in narrow grids, where the low strip is the whole row.
+    /// Vectors of the centre; zero in narrow grids, where the high strip follows the low one without a gap.
     pub(super) centre: usize,
     /// Cells of the high strip.
     pub(super) high: usize,
@@ -33,27 +29,75 @@ pub(super) struct RowLayout {
     pub(super) high_at: usize,
     /// Distance between rows; a whole number of vectors and no multiple of 4 KiB.
     pub(super) stride: usize,
+    /// The strips, cut into narrow vectors; those of the layers from the outside inwards.
+    pub(super) columns: Vec<Column>,
+}
+
+/// A narrow vector of cells of a strip.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Column {
+    /// Its offset in the row.
+    pub(super) at: usize,
+    /// So many of its first cells are not its own: they lie before the strip or in another column.
+    pub(super) foreign: usize,
+    /// If it belongs to an absorbing layer: which one (0 low, 1 high), and its first cell in the profile.
+    pub(super) layer: Option<(usize, usize)>,
 }
 
 impl RowLayout {
-    /// Layout of rows of `nx` cells with absorbing layers `layer` cells wide, in vectors of `lanes` cells, for a stencil of
-    /// `radius`.
+    /// Layout of rows of `nx` cells with absorbing layers `layer` cells wide (a multiple of [`NARROW`]), in vectors of
+    /// `lanes` cells, for a stencil of `radius`.
+    ///
+    /// The strips are no wider than the layers, but for what is left over when the centre takes whole vectors, because the centre is
+    /// swept several times faster.
     pub(super) fn new(nx: usize, layer: usize, lanes: usize, radius: usize) -> Self {
-        let halo = radius.max(HALO);
-        let strip = layer.max(STRIP).next_multiple_of(lanes);
+        let halo = radius;
+        let strip = layer.max(NARROW);
         let centre = nx.saturating_sub(2 * strip) / lanes;
-        let (low, centre, high) = if centre < 2 * halo {
-            (nx, 0, 0)
+        let (low, centre) = if centre < 2 * halo {
+            (layer, 0)
         } else {
-            (strip, centre, nx - strip - lanes * centre)
+            (strip, centre)
         };
+        let high = nx - low - lanes * centre;
         let low_at = lanes;
-        let centre_at = low_at + low.next_multiple_of(lanes) + (1 + halo) * lanes;
-        let high_at = centre_at + (centre + halo + 1) * lanes;
-        let end = high_at + high.next_multiple_of(lanes) + lanes;
+        let (mut centre_at, mut high_at) = (low_at + low, low_at + low);
+        if centre > 0 {
+            centre_at = (centre_at + halo).next_multiple_of(lanes) + halo * lanes;
+            // The layer at high x lies in whole aligned vectors.
+            let end = centre_at + (centre + halo) * lanes + halo + high;
+            high_at = end.next_multiple_of(lanes) - high;
+        }
+        let end = high_at + high + lanes;
         let mut stride = end.next_multiple_of(2 * lanes) + lanes;
         if stride % 1024 < 2 * lanes {
             stride += 2 * lanes;
+        }
+        let mut columns = Vec::new();
+        for i in (0..low).step_by(NARROW) {
+            let layer = (i < layer).then_some((0, i));
+            columns.push(Column {
+                at: low_at + i,
+                foreign: 0,
+                layer,
+            });
+        }
+        let layer_at = high_at + high - layer;
+        let mut foreign = (layer_at - high_at).next_multiple_of(NARROW) - (layer_at - high_at);
+        for at in (high_at - foreign..layer_at).step_by(NARROW) {
+            columns.push(Column {
+                at,
+                foreign,
+                layer: None,
+            });
+            foreign = 0;
+        }
+        for i in (0..layer).step_by(NARROW).rev() {
+            columns.push(Column {
+                at: layer_at + i,
+                foreign: 0,
+                layer: Some((1, i)),
+            });
         }
         Self {
             nx,
@@ -66,6 +110,7 @@ impl RowLayout {
             centre_at,
             high_at,
             stride,
+            columns,
         }
     }
 
@@ -81,46 +126,25 @@ impl RowLayout {
         }
     }
 
-    /// Rebuilds the halos of a row of `stride` cells, and clears the padding beyond its end.
-    #[inline(always)]
-    pub(super) fn refresh_halos(&self, row: &mut [f32]) {
-        match self.lanes {
-            WIDE => self.refresh::<WIDE>(row),
-            _ => self.refresh::<NARROW>(row),
-        }
-    }
-
-    #[inline(always)]
-    fn refresh<const LANES: usize>(&self, row: &mut [f32]) {
-        let row = &mut row[..self.stride];
+    /// Rebuilds the halos of a row, cell by cell; the sweeps do it with vectors.
+    fn refresh_halos(&self, row: &mut [f32]) {
         if self.centre == 0 {
-            row[self.low_at + self.low..self.low_at + self.low.next_multiple_of(LANES)].fill(0.0);
             return;
         }
-        let (first, last) = (
-            self.centre_at,
-            self.centre_at + (self.centre - self.halo) * LANES,
-        );
-        let after = self.centre_at + self.centre * LANES;
-        for h in 0..self.halo {
+        let (halo, lanes, after) = (self.halo, self.lanes, self.low + self.lanes * self.centre);
+        for h in 0..halo {
             // Strips see the lanes next to them.
-            row[self.low_at + self.low + h] = row[first + h * LANES];
-            row[self.high_at - self.halo + h] = row[last + h * LANES + LANES - 1];
+            row[self.low_at + self.low + h] = row[self.offset(self.low + h)];
+            row[self.high_at - halo + h] = row[self.offset(after - halo + h)];
             // Lane l continues in lane l + 1; the outer lanes continue in the strips.
-            let (from_low, from_high) = (
-                row[self.low_at + self.low - self.halo + h],
-                row[self.high_at + h],
-            );
-            let before = self.centre_at - (self.halo - h) * LANES;
-            // Whole vectors, read one cell off: cell by cell would wait for stores that loads cannot be forwarded from.
-            let tail = last + h * LANES - 1;
-            row.copy_within(tail..tail + LANES, before);
-            row[before] = from_low;
-            let head = first + h * LANES + 1;
-            row.copy_within(head..head + LANES, after + h * LANES);
-            row[after + h * LANES + LANES - 1] = from_high;
+            for lane in 0..lanes {
+                let first = self.low + lane * self.centre;
+                row[self.centre_at - (halo - h) * lanes + lane] =
+                    row[self.offset(first - halo + h)];
+                row[self.centre_at + (self.centre + h) * lanes + lane] =
+                    row[self.offset(first + self.centre + h)];
+            }
         }
-        row[self.high_at + self.high..self.high_at + self.high.next_multiple_of(LANES)].fill(0.0);
     }
 
     /// Copies a plain row in and rebuilds the halos.
@@ -143,19 +167,32 @@ impl RowLayout {
 mod tests {
     use super::*;
 
+    fn in_centre(layout: &RowLayout, ix: usize) -> bool {
+        (layout.low..layout.low + layout.lanes * layout.centre).contains(&ix)
+    }
+
     #[test]
     fn packing_is_a_permutation_and_halos_repeat_the_neighbours() {
-        for (nx, lanes, radius) in [30, 64, 87, 88, 97, 151, 1000].into_iter().flat_map(|nx| {
-            [
-                (nx, NARROW, 2),
-                (nx, WIDE, 2),
-                (nx, NARROW, 3),
-                (nx, WIDE, 3),
-            ]
-        }) {
-            let layout = RowLayout::new(nx, 20, lanes, radius);
+        for (nx, lanes, radius) in [50, 64, 87, 88, 97, 151, 500, 1000]
+            .into_iter()
+            .flat_map(|nx| {
+                [
+                    (nx, NARROW, 2),
+                    (nx, WIDE, 2),
+                    (nx, NARROW, 3),
+                    (nx, WIDE, 3),
+                ]
+            })
+        {
+            let layout = RowLayout::new(nx, 24, lanes, radius);
             let plain: Vec<f32> = (1..=nx).map(|i| i as f32).collect();
             let mut row = vec![0.0; layout.stride];
+            let own = |column: &Column| column.at + column.foreign..column.at + NARROW;
+            let mut in_strips: Vec<usize> = layout.columns.iter().flat_map(own).collect();
+            in_strips.sort_unstable();
+            let strips = (0..nx).filter(|ix| !in_centre(&layout, *ix));
+            let expected: Vec<usize> = strips.map(|ix| layout.offset(ix)).collect();
+            assert_eq!(in_strips, expected, "nx {nx}");
             layout.pack(&plain, &mut row);
             let mut back = vec![0.0; nx];
             layout.unpack(&row, &mut back);
@@ -169,9 +206,11 @@ mod tests {
             };
             for ix in 0..nx as isize {
                 let offset = layout.offset(ix as usize);
-                let in_centre =
-                    (layout.low..layout.low + lanes * layout.centre).contains(&(ix as usize));
-                let step = if in_centre { lanes } else { 1 };
+                let step = if in_centre(&layout, ix as usize) {
+                    lanes
+                } else {
+                    1
+                };
                 for d in 1..=layout.halo {
                     assert_eq!(
                         row[offset + d * step],

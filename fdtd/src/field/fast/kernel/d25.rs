@@ -26,6 +26,22 @@ impl<V: Vector> Sweep<V> for D25 {
         }
     }
 
+    #[inline(always)]
+    unsafe fn cells(w: &Splat<V>, at: *const f32, stride: usize, past: V) -> V {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let sum = w
+                .d25_first(V::load(at.sub(3)), past)
+                .add(sides(w, at.sub(2), stride)[1])
+                .add(sides(w, at.sub(1), stride)[0]);
+            let sum = w
+                .d25_own(V::load(at), verticals(at, stride), sum)
+                .add(sides(w, at.add(1), stride)[0])
+                .add(sides(w, at.add(2), stride)[1]);
+            w.d25_last(V::load(at.add(3)), sum)
+        }
+    }
+
     const ROWS: usize = 16;
     const CHUNK: usize = 480;
 
@@ -35,32 +51,19 @@ impl<V: Vector> Sweep<V> for D25 {
         now: *const f32,
         next: *mut f32,
         stride: usize,
-        ahead: usize,
         vectors: usize,
         rows: usize,
     ) {
         // SAFETY: the caller's promise covers every offset used here.
         unsafe {
             for i in 0..rows {
-                let (row, target) = (now.add(i * stride), next.add(i * stride));
-                if ahead == V::LANES {
-                    centre_row(w, row, target, stride, vectors);
-                    continue;
-                }
-                for j in 0..vectors {
-                    let at = row.add(j * V::LANES);
-                    let far_west = sides(w, at.sub(2 * ahead), stride);
-                    let west = sides(w, at.sub(ahead), stride);
-                    let east = sides(w, at.add(ahead), stride);
-                    let far_east = sides(w, at.add(2 * ahead), stride);
-                    let target = target.add(j * V::LANES);
-                    let sum = w.d25_first(V::load(at.sub(3 * ahead)), V::load(target));
-                    let sum = sum.add(far_west[1]).add(west[0]);
-                    let verticals = verticals(at, stride);
-                    let sum = w.d25_own(V::load(at), verticals, sum);
-                    let sum = sum.add(east[0]).add(far_east[1]);
-                    w.d25_last(V::load(at.add(3 * ahead)), sum).store(target);
-                }
+                centre_row(
+                    w,
+                    now.add(i * stride),
+                    next.add(i * stride),
+                    stride,
+                    vectors,
+                );
             }
         }
     }

@@ -20,8 +20,28 @@ impl<V: Vector> Sweep<V> for M13 {
         }
     }
 
-    const ROWS: usize = 16;
-    const CHUNK: usize = 240;
+    #[inline(always)]
+    unsafe fn cells(w: &Splat<V>, at: *const f32, stride: usize, past: V) -> V {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let west = upright(at.sub(1), stride);
+            let east = upright(at.add(1), stride);
+            w.m13(
+                V::load(at),
+                upright(at, stride),
+                [
+                    w.m13_column(V::load(at.sub(1)), west),
+                    w.m13_column(V::load(at.add(1)), east),
+                ],
+                [V::load(at.sub(2)), V::load(at.add(2))],
+                [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))],
+                past,
+            )
+        }
+    }
+
+    const ROWS: usize = 24;
+    const CHUNK: usize = 480;
 
     #[inline(always)]
     unsafe fn rows(
@@ -29,72 +49,59 @@ impl<V: Vector> Sweep<V> for M13 {
         now: *const f32,
         next: *mut f32,
         stride: usize,
-        ahead: usize,
         vectors: usize,
         rows: usize,
     ) {
         // SAFETY: the caller's promise covers every offset used here.
         unsafe {
             let mut done = 0;
-            while V::MANY && ahead == V::LANES && done + 2 <= rows {
+            while V::MANY && done + 2 <= rows {
                 let at = done * stride;
                 m13_pair(w, now.add(at), next.add(at), stride, vectors);
                 done += 2;
             }
             for i in done..rows {
                 let (row, target) = (now.add(i * stride), next.add(i * stride));
-                let vertical =
-                    |at: *const f32| V::load(at.sub(stride)).add(V::load(at.add(stride)));
-                if ahead == V::LANES {
-                    let mut here: [V; 4] =
-                        std::array::from_fn(|k| V::load(row.sub(2 * V::LANES).add(k * V::LANES)));
-                    let mut upright = vertical(row);
-                    let mut columns = [
-                        w.m13_column(here[1], vertical(row.sub(V::LANES))),
-                        w.m13_column(here[2], upright),
-                    ];
-                    for j in 0..vectors {
-                        let at = row.add(j * V::LANES);
-                        let beyond = V::load(at.add(2 * V::LANES));
-                        let next_upright = vertical(at.add(V::LANES));
-                        let column = w.m13_column(here[3], next_upright);
-                        let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
-                        let target = target.add(j * V::LANES);
-                        w.m13(
-                            here[2],
-                            upright,
-                            [columns[0], column],
-                            [here[0], beyond],
-                            ends,
-                            V::load(target),
-                        )
-                        .store(target);
-                        here = [here[1], here[2], here[3], beyond];
-                        upright = next_upright;
-                        columns = [columns[1], column];
-                    }
-                } else {
-                    for j in 0..vectors {
-                        let at = row.add(j * V::LANES);
-                        let column = |at: *const f32| w.m13_column(V::load(at), vertical(at));
-                        let columns = [column(at.sub(ahead)), column(at.add(ahead))];
-                        let sides = [V::load(at.sub(2 * ahead)), V::load(at.add(2 * ahead))];
-                        let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
-                        let target = target.add(j * V::LANES);
-                        w.m13(
-                            V::load(at),
-                            vertical(at),
-                            columns,
-                            sides,
-                            ends,
-                            V::load(target),
-                        )
-                        .store(target);
-                    }
+                let mut here: [V; 4] =
+                    std::array::from_fn(|k| V::load(row.sub(2 * V::LANES).add(k * V::LANES)));
+                let mut middle = upright(row, stride);
+                let mut columns = [
+                    w.m13_column(here[1], upright(row.sub(V::LANES), stride)),
+                    w.m13_column(here[2], middle),
+                ];
+                for j in 0..vectors {
+                    let at = row.add(j * V::LANES);
+                    let beyond = V::load(at.add(2 * V::LANES));
+                    let rising = upright(at.add(V::LANES), stride);
+                    let column = w.m13_column(here[3], rising);
+                    let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
+                    let target = target.add(j * V::LANES);
+                    w.m13(
+                        here[2],
+                        middle,
+                        [columns[0], column],
+                        [here[0], beyond],
+                        ends,
+                        V::load(target),
+                    )
+                    .store(target);
+                    here = [here[1], here[2], here[3], beyond];
+                    middle = rising;
+                    columns = [columns[1], column];
                 }
             }
         }
     }
+}
+
+/// Sum of the cells below and above.
+///
+/// # Safety
+/// Both must be readable.
+#[inline(always)]
+unsafe fn upright<V: Vector>(at: *const f32, stride: usize) -> V {
+    // SAFETY: the caller's promise.
+    unsafe { V::load(at.sub(stride)).add(V::load(at.add(stride))) }
 }
 
 /// The 13-point sweep over two rows of the centre: each row's cells are the other's neighbours, so that a pair of

@@ -1,13 +1,15 @@
 //! The unsafe heart of the fast engine: sweeps over rows through raw pointers. Nothing outside this folder is unsafe.
 //!
-//! * here: who runs which rows of which step, and all of a step but the plain stencil;
+//! * here: who runs which rows of which step, walls, source and receiver;
 //! * `sweep`, `slf`, `m13`, `d25`: the plain stencils;
-//! * `vector`: eight or sixteen numbers of an instruction set.
+//! * `layers`: the strips beside the centre, and the absorbing layers;
+//! * `halo`: the cells that rows hold twice;
+//! * `instructions`: which instruction sets there are; `vector`: eight or sixteen numbers of one.
 //!
 //! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same
 //! time, which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said
-//! in `tiles`: which rows a tile reads and writes, and that no two tiles of a phase touch the same row in
-//! conflicting ways. All pointers stay inside the buffers because the layout gives every row a halo of
+//! in `tiles`: which rows a tile reads and writes, and for which of another tile's it waits, so that no two tiles touch the same
+//! row at the same time in conflicting ways. All pointers stay inside the buffers because the layout gives every row a halo of
 //! vectors and the buffers a rim of rows as wide as the stencil reaches.
 #![expect(
     unsafe_code,
@@ -15,12 +17,19 @@
 )]
 
 mod d25;
+mod halo;
+mod instructions;
+mod layers;
 mod m13;
 mod slf;
 mod sweep;
 mod vector;
 
 use std::sync::atomic::{AtomicU64, Ordering};
+
+pub use self::instructions::InstructionSet;
+#[cfg(target_arch = "x86_64")]
+pub(in crate::field) use self::instructions::{with_avx2, with_avx512};
 
 use self::d25::D25;
 use self::m13::M13;
@@ -30,9 +39,8 @@ use self::sweep::Sweep;
 use self::vector::{Avx, Avx512};
 use self::vector::{Plain, Vector};
 use super::super::StepForcing;
-use super::super::layer_row;
-use super::super::stencil::{Number, Splat, layer};
-use super::layout::{NARROW, WIDE};
+use super::super::stencil::Splat;
+use super::team::{Front, Team};
 use super::tiles::Tile;
 use super::{Line, Plan};
 use crate::scheme::Scheme;
@@ -43,12 +51,19 @@ use crate::spread::TAPS;
 pub(super) struct Shared {
     /// Level of the first step, and the past that it overwrites; both start at the first row of the rim.
     pub(super) levels: [*mut f32; 2],
-    /// Layer memory along x, `[iy, 6, width]`.
+    /// Layer memory along x, see `memory`.
     pub(super) layer_x: *mut f32,
-    /// Layer memory along y, `[row of layer, 3, stride]`.
+    /// Layer memory along y, see `memory`.
     pub(super) layer_y: *mut f32,
     /// Velocities into surfaces that are not rigid; those of a row belong to who writes the row.
     pub(super) surfaces: *mut f32,
+}
+
+/// The levels of one step: the one it reads, and the past that it overwrites.
+#[derive(Clone, Copy)]
+struct Levels {
+    now: *const f32,
+    next: *mut f32,
 }
 
 // SAFETY: the pointers are only used by tiles of one block, on disjoint rows (see `tiles`), while the field that owns
@@ -60,54 +75,26 @@ unsafe impl Sync for Shared {}
 /// Sums that the receiver's rows leave, `[step, row of stencil]`, as bits of `f64`.
 pub(super) type RowSums = [[AtomicU64; TAPS]];
 
-/// Instruction sets that the sweeps are compiled for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InstructionSet {
-    /// AVX-512 (F and VL) with fused multiply-add, sixteen numbers at a time.
-    Avx512,
-    /// AVX2 with fused multiply-add.
-    Avx2,
-    /// What the target has by default (NEON on 64-bit Arm).
-    Portable,
-}
+/// Rows whose strips and halos are done together: what they touch stays in the first-level cache.
+const EDGE_ROWS: usize = 8;
 
-impl InstructionSet {
-    /// Numbers in one of its vectors.
-    pub(super) fn lanes(self) -> usize {
-        match self {
-            Self::Avx512 => WIDE,
-            Self::Avx2 | Self::Portable => NARROW,
-        }
-    }
+/// Where a tile stands among the others: its own front, and that of the tile above.
+type Fronts<'a> = (&'a Front, Option<&'a Front>);
 
-    /// The best one of this machine.
-    pub fn detect() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::is_x86_feature_detected as has;
-            if has!("avx2") && has!("fma") {
-                let wide = has!("avx512f") && has!("avx512vl");
-                return if wide { Self::Avx512 } else { Self::Avx2 };
-            }
-        }
-        Self::Portable
-    }
-}
-
-/// Runs the tiles of one phase of a time block, side by side on `pool`.
-pub(super) fn run_phase(
+/// Runs the tiles of one time block, side by side on `team`.
+pub(super) fn run_block(
     plan: &Plan,
     shared: Shared,
     tiles: &[Tile],
     steps: &[StepForcing],
     sums: &RowSums,
-    pool: Option<&rayon::ThreadPool>,
+    team: &Team,
 ) {
-    super::for_each_tile(pool, tiles, |tile| {
+    team.run(tiles, |tile, own, above| {
         // Capture the whole of `shared`, which may be sent, not its pointers one by one.
         let shared = &shared;
-        // SAFETY: tiles of one phase are disjoint as `tiles` says, and the caller holds the field mutably.
-        unsafe { run_tile(plan, *shared, tile, steps, sums) }
+        // SAFETY: tiles keep apart as `tiles` says, and the caller holds the field mutably.
+        unsafe { run_tile(plan, *shared, tile, steps, sums, (own, above)) }
     });
 }
 
@@ -126,39 +113,48 @@ pub(super) fn flat_mut(lines: &mut [Line]) -> &mut [f32] {
 /// Runs one tile of a time block.
 ///
 /// # Safety
-/// `shared` must hold the buffers of `plan`, and no other thread may touch the rows that `tile` writes, or write those
-/// that it reads, while it runs.
+/// `shared` must hold the buffers of `plan`, and the rows of `tile` be touched by no other thread but those that run the other tiles
+/// of the block, with these fronts.
 pub(super) unsafe fn run_tile(
     plan: &Plan,
     shared: Shared,
     tile: &Tile,
     steps: &[StepForcing],
     sums: &RowSums,
+    fronts: Fronts<'_>,
 ) {
     // SAFETY: the caller's promise; the instruction set was detected on this machine.
     unsafe {
         match (plan.instructions, plan.setup.scheme) {
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx512, Scheme::Slf) => avx512_slf(plan, shared, tile, steps, sums),
+            (InstructionSet::Avx512, Scheme::Slf) => {
+                avx512_slf(plan, shared, tile, steps, sums, fronts)
+            }
             #[cfg(target_arch = "x86_64")]
             (InstructionSet::Avx512, Scheme::M13 | Scheme::O13) => {
-                avx512_m13(plan, shared, tile, steps, sums);
+                avx512_m13(plan, shared, tile, steps, sums, fronts);
             }
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx512, Scheme::D25) => avx512_d25(plan, shared, tile, steps, sums),
+            (InstructionSet::Avx512, Scheme::D25) => {
+                avx512_d25(plan, shared, tile, steps, sums, fronts)
+            }
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx2, Scheme::Slf) => avx2_slf(plan, shared, tile, steps, sums),
+            (InstructionSet::Avx2, Scheme::Slf) => {
+                avx2_slf(plan, shared, tile, steps, sums, fronts)
+            }
             #[cfg(target_arch = "x86_64")]
             (InstructionSet::Avx2, Scheme::M13 | Scheme::O13) => {
-                avx2_m13(plan, shared, tile, steps, sums);
+                avx2_m13(plan, shared, tile, steps, sums, fronts);
             }
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx2, Scheme::D25) => avx2_d25(plan, shared, tile, steps, sums),
-            (_, Scheme::Slf) => sweep_tile::<Plain, Slf>(plan, shared, tile, steps, sums),
-            (_, Scheme::M13 | Scheme::O13) => {
-                sweep_tile::<Plain, M13>(plan, shared, tile, steps, sums);
+            (InstructionSet::Avx2, Scheme::D25) => {
+                avx2_d25(plan, shared, tile, steps, sums, fronts)
             }
-            (_, Scheme::D25) => sweep_tile::<Plain, D25>(plan, shared, tile, steps, sums),
+            (_, Scheme::Slf) => sweep_tile::<Plain, Slf>(plan, shared, tile, steps, sums, fronts),
+            (_, Scheme::M13 | Scheme::O13) => {
+                sweep_tile::<Plain, M13>(plan, shared, tile, steps, sums, fronts);
+            }
+            (_, Scheme::D25) => sweep_tile::<Plain, D25>(plan, shared, tile, steps, sums, fronts),
         }
     }
 }
@@ -173,9 +169,10 @@ macro_rules! instantiate {
             tile: &Tile,
             steps: &[StepForcing],
             sums: &RowSums,
+            fronts: Fronts<'_>,
         ) {
             // SAFETY: the caller's promise.
-            unsafe { sweep_tile::<$vector, $sweep>(plan, shared, tile, steps, sums) }
+            unsafe { sweep_tile::<$vector, $sweep>(plan, shared, tile, steps, sums, fronts) }
         }
     };
 }
@@ -185,42 +182,6 @@ instantiate!(avx512_d25, Avx512, D25, "avx512f,avx512vl,avx2,fma");
 instantiate!(avx2_slf, Avx, Slf, "avx2,fma");
 instantiate!(avx2_m13, Avx, M13, "avx2,fma");
 instantiate!(avx2_d25, Avx, D25, "avx2,fma");
-
-/// Runs `work` compiled for AVX2 with fused multiply-add.
-///
-/// # Panics
-/// When the machine has no such instructions.
-#[cfg(target_arch = "x86_64")]
-pub(in crate::field) fn with_avx2<R>(work: impl FnOnce() -> R) -> R {
-    #[target_feature(enable = "avx2,fma")]
-    fn inside<R>(work: impl FnOnce() -> R) -> R {
-        work()
-    }
-    assert!(
-        InstructionSet::detect() != InstructionSet::Portable,
-        "no AVX2 with FMA here"
-    );
-    // SAFETY: just checked.
-    unsafe { inside(work) }
-}
-
-/// Runs `work` compiled for AVX-512.
-///
-/// # Panics
-/// When the machine has no such instructions.
-#[cfg(target_arch = "x86_64")]
-pub(in crate::field) fn with_avx512<R>(work: impl FnOnce() -> R) -> R {
-    #[target_feature(enable = "avx512f,avx512vl,avx2,fma")]
-    fn inside<R>(work: impl FnOnce() -> R) -> R {
-        work()
-    }
-    assert!(
-        InstructionSet::detect() == InstructionSet::Avx512,
-        "no AVX-512 here"
-    );
-    // SAFETY: just checked.
-    unsafe { inside(work) }
-}
 
 /// All steps of a tile: a wavefront of short row blocks, step after step, each one radius behind the one before.
 ///
@@ -233,19 +194,25 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     tile: &Tile,
     steps: &[StepForcing],
     sums: &RowSums,
+    (own, above): Fronts<'_>,
 ) {
     let weights = Splat::<V>::new(&plan.setup.weights);
     let radius = plan.setup.scheme.radius();
     let (begin, end) = tile.sweep(steps.len());
+    let block = <S as Sweep<V>>::ROWS as isize;
+    let (shared_rows, needed) = tile.waits_from(steps.len());
+    let mut above = above;
     let mut base = begin;
     while base < end + (radius * steps.len()) as isize {
+        if base + block > shared_rows
+            && let Some(above) = above.take()
+        {
+            above.wait_for(needed);
+        }
         for step in 0..steps.len() {
             let (low, high) = tile.rows(step);
             let from = base - (radius * step) as isize;
-            let (first, last) = (
-                from.max(low as isize),
-                (from + <S as Sweep<V>>::ROWS as isize).min(high as isize),
-            );
+            let (first, last) = (from.max(low as isize), (from + block).min(high as isize));
             if first < last {
                 // SAFETY: the caller's promise; rows first..last belong to this tile at this step.
                 unsafe {
@@ -262,7 +229,8 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                 }
             }
         }
-        base += <S as Sweep<V>>::ROWS as isize;
+        base += block;
+        own.reached(base);
     }
 }
 
@@ -282,102 +250,51 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
 ) {
     let layout = &plan.layout;
     let stride = layout.stride;
-    let cells = plan.setup.layer.cells();
-    let width = plan.setup.layer.width();
-    let courant2 = V::splat(plan.setup.courant2);
-    let narrow = Splat::<V::Narrow>::new(&plan.setup.weights);
+    let levels = Levels {
+        now: shared.levels[step % 2].cast_const(),
+        next: shared.levels[(step + 1) % 2],
+    };
     // SAFETY: rows lie in the grid, and the buffers have a rim of rows on both sides; within a row every offset comes
     // from the layout. The caller promises that nobody else touches what is written here.
     unsafe {
-        let now_base = shared.levels[step % 2].cast_const();
-        let next_base = shared.levels[(step + 1) % 2];
-        let at = (rows.start + layout.halo) * stride;
-        let parts = [
-            (layout.low_at, 1, layout.low.div_ceil(V::LANES)),
-            (layout.centre_at, V::LANES, layout.centre),
-            (layout.high_at, 1, layout.high.div_ceil(V::LANES)),
-        ];
-        for (part, ahead, vectors) in parts {
-            for first in (0..vectors).step_by(<S as Sweep<V>>::CHUNK / V::LANES) {
-                let from = at + part + first * V::LANES;
-                let (now, next) = (now_base.add(from), next_base.add(from));
-                <S as Sweep<V>>::rows(
-                    weights,
-                    now,
-                    next,
-                    stride,
-                    ahead,
-                    (<S as Sweep<V>>::CHUNK / V::LANES).min(vectors - first),
-                    rows.len(),
-                );
-            }
+        let start = (rows.start + layout.halo) * stride + layout.centre_at;
+        let chunk = <S as Sweep<V>>::CHUNK / V::LANES;
+        for first in (0..layout.centre).step_by(chunk) {
+            let from = start + first * V::LANES;
+            let vectors = chunk.min(layout.centre - first);
+            <S as Sweep<V>>::rows(
+                weights,
+                levels.now.add(from),
+                levels.next.add(from),
+                stride,
+                vectors,
+                rows.len(),
+            );
+            let vectors = first..first + vectors;
+            layers::along_y::<V, S>(plan, shared, levels, weights, vectors, rows.clone());
         }
-        for iy in rows {
+        // After the centre: the single cells of the halo that strips read were stored long ago by then.
+        for iy in rows.clone() {
+            if (iy - rows.start).is_multiple_of(EDGE_ROWS) {
+                let few = iy..rows.end.min(iy + EDGE_ROWS);
+                layers::strips::<V::Narrow, S>(plan, shared, levels, few);
+            }
             let at = (iy + layout.halo) * stride;
-            let now = now_base.add(at);
-            let next = next_base.add(at);
-            if let (Some(decay), Some(layer)) =
-                (plan.row_decay[iy], layer_row(cells, plan.setup.ny, iy))
-            {
-                let memory = shared.layer_y.add(layer * 3 * stride);
-                let decay = decay.map(V::splat);
-                for (part, ahead, vectors) in parts {
-                    for x in (part..part + vectors * V::LANES).step_by(V::LANES) {
-                        let layered =
-                            |p: *const f32| <S as Sweep<V>>::layered(weights, p, stride, ahead);
-                        let p = now.add(x);
-                        let here = layered(p);
-                        let slopes = [
-                            here.sub(layered(p.sub(stride))),
-                            layered(p.add(stride)).sub(here),
-                        ];
-                        layer_vector(slopes, decay, memory.add(x), stride, courant2, next.add(x));
-                    }
-                }
-            }
-            for (side, profile) in [&plan.setup.layer, &plan.high].into_iter().enumerate() {
-                let first = if side == 0 {
-                    layout.low_at
-                } else {
-                    layout.offset(layout.nx - width)
-                };
-                let memory = shared.layer_x.add((iy * 2 + side) * 3 * width);
-                for i in (0..width).step_by(NARROW) {
-                    let p = now.add(first + i);
-                    let layered =
-                        |p: *const f32| <S as Sweep<V::Narrow>>::layered(&narrow, p, 1, stride);
-                    let here = layered(p);
-                    let slopes = [here.sub(layered(p.sub(1))), layered(p.add(1)).sub(here)];
-                    let face = profile.face.as_ptr().add(i);
-                    let decay = [
-                        V::Narrow::load(face),
-                        V::Narrow::load(face.add(1)),
-                        V::Narrow::load(profile.cell.as_ptr().add(i)),
-                    ];
-                    layer_vector::<V::Narrow>(
-                        slopes,
-                        decay,
-                        memory.add(i),
-                        width,
-                        V::Narrow::splat(plan.setup.courant2),
-                        next.add(first + i),
-                    );
-                }
-            }
+            let next = levels.next.add(at);
             let next = std::slice::from_raw_parts_mut(next, stride);
             let walls = &plan.walls[iy];
             for correction in &walls.corrections {
                 let mut sum = 0.0_f32;
                 let entries = correction.first as usize..correction.end as usize;
                 for &(offset, weight) in &plan.entries[entries] {
-                    sum = weight.mul_add(*now_base.offset(at as isize + offset as isize), sum);
+                    sum = weight.mul_add(*levels.now.offset(at as isize + offset as isize), sum);
                 }
                 next[correction.at as usize] += sum;
             }
             for (offset, surface) in &walls.surfaces {
                 let velocity = shared.surfaces.add(surface.memory);
                 let before = *velocity;
-                let after = surface.velocity(before, *now_base.add(at + *offset as usize));
+                let after = surface.velocity(before, *levels.now.add(at + *offset as usize));
                 *velocity = after;
                 let p = &mut next[*offset as usize];
                 *p = surface.gain.mul_add(before - after, *p);
@@ -395,7 +312,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                     }
                 }
             }
-            layout.refresh_halos(next);
+            halo::refresh::<V>(layout, next.as_mut_ptr());
             let s = &forcing.receiver;
             if let Some(j) = iy.checked_sub(s.y0).filter(|&j| j < TAPS) {
                 let taps = s.wx.iter().enumerate();
@@ -405,29 +322,5 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                 sums[j].store(sum.to_bits(), Ordering::Relaxed);
             }
         }
-    }
-}
-
-/// The layer's recursion at a vector of cells whose memory lies at `memory`, three parts `part` apart.
-///
-/// # Safety
-/// A vector's numbers at `next` and at each part of the memory must be this thread's.
-#[inline(always)]
-unsafe fn layer_vector<V: Vector>(
-    slopes: [V; 2],
-    decay: [V; 3],
-    memory: *mut f32,
-    part: usize,
-    courant2: V,
-    next: *mut f32,
-) {
-    // SAFETY: the caller's promise.
-    unsafe {
-        let old = std::array::from_fn(|k| V::load(memory.add(k * part)));
-        let (new, change) = layer(slopes, decay, old);
-        for (k, value) in new.into_iter().enumerate() {
-            value.store(memory.add(k * part));
-        }
-        courant2.mul_add(change, V::load(next)).store(next);
     }
 }

@@ -17,7 +17,17 @@ impl<V: Vector> Sweep<V> for Slf {
         unsafe { V::load(at) }
     }
 
-    const ROWS: usize = 8;
+    #[inline(always)]
+    unsafe fn cells(w: &Splat<V>, at: *const f32, stride: usize, past: V) -> V {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let sides = [V::load(at.sub(1)), V::load(at.add(1))];
+            let ends = [V::load(at.sub(stride)), V::load(at.add(stride))];
+            w.slf(V::load(at), sides, ends, past)
+        }
+    }
+
+    const ROWS: usize = 24;
     const CHUNK: usize = 480;
 
     #[inline(always)]
@@ -26,16 +36,16 @@ impl<V: Vector> Sweep<V> for Slf {
         now: *const f32,
         next: *mut f32,
         stride: usize,
-        ahead: usize,
         vectors: usize,
         rows: usize,
     ) {
         // SAFETY: the caller's promise covers every offset used here.
         unsafe {
             let mut done = 0;
-            while ahead == V::LANES && done + HELD <= rows {
+            while done + HELD <= rows {
                 let (now, next) = (now.add(done * stride), next.add(done * stride));
                 let row = |i: usize| now.add(i * stride);
+                let mut west: [V; HELD] = std::array::from_fn(|i| V::load(row(i).sub(V::LANES)));
                 let mut here: [V; HELD] = std::array::from_fn(|i| V::load(row(i)));
                 for j in 0..vectors {
                     let at = j * V::LANES;
@@ -47,10 +57,10 @@ impl<V: Vector> Sweep<V> for Slf {
                         let below = if i == 0 { south } else { here[i - 1] };
                         let above = if i + 1 == HELD { north } else { here[i + 1] };
                         let target = next.add(i * stride + at);
-                        let west = V::load(row(i).add(at).sub(V::LANES));
-                        w.slf(here[i], [west, east[i]], [below, above], V::load(target))
+                        w.slf(here[i], [west[i], east[i]], [below, above], V::load(target))
                             .store(target);
                     }
+                    west = here;
                     here = east;
                 }
                 done += HELD;
@@ -59,7 +69,7 @@ impl<V: Vector> Sweep<V> for Slf {
                 let (row, target) = (now.add(i * stride), next.add(i * stride));
                 for j in 0..vectors {
                     let at = row.add(j * V::LANES);
-                    let sides = [V::load(at.sub(ahead)), V::load(at.add(ahead))];
+                    let sides = [V::load(at.sub(V::LANES)), V::load(at.add(V::LANES))];
                     let ends = [V::load(at.sub(stride)), V::load(at.add(stride))];
                     let target = target.add(j * V::LANES);
                     w.slf(V::load(at), sides, ends, V::load(target))

@@ -3,7 +3,7 @@
 use super::super::super::stencil::Splat;
 use super::vector::Vector;
 
-/// A scheme's sweep over some rows of one part of the rows.
+/// A scheme's sweep.
 pub(super) trait Sweep<V: Vector> {
     /// Rows that a step of the wavefront takes together.
     const ROWS: usize;
@@ -11,21 +11,25 @@ pub(super) trait Sweep<V: Vector> {
     /// and each vector comes from the second level once per block.
     const CHUNK: usize;
 
-    /// `now` and `next` point to the first cell of the first row's part, `vectors` long; `ahead` is the distance of the
-    /// next cell along x in memory.
+    /// Rows of the centre. `now` and `next` point to the first vector of the first row's part, `vectors` long.
     ///
     /// # Safety
-    /// As many rows and cells beyond these as the stencil reaches, of `now`, and rows `0..rows` of `next` with as many cells
-    /// to both sides must be inside the buffers and free for this thread.
+    /// As many rows and vectors beyond these as the stencil reaches, of `now`, and rows `0..rows` of `next` with as many
+    /// vectors to both sides must be inside the buffers and free for this thread.
     unsafe fn rows(
         weights: &Splat<V>,
         now: *const f32,
         next: *mut f32,
         stride: usize,
-        ahead: usize,
         vectors: usize,
         rows: usize,
     );
+
+    /// New pressure of neighbouring cells in plain order at `at`, whose past is `past`.
+    ///
+    /// # Safety
+    /// The cells and as many rows and cells beyond these as the stencil reaches must be readable.
+    unsafe fn cells(weights: &Splat<V>, at: *const f32, stride: usize, past: V) -> V;
 
     /// What the absorbing layer takes the second difference of at the cells from `at` on, with neighbours `along` the
     /// absorbed axis and `across` it that far away in memory.

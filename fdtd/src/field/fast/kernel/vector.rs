@@ -10,7 +10,7 @@ pub(super) trait Vector: Number {
     const LANES: usize;
     /// Whether two rows of the 13-point stencil fit into the registers.
     const MANY: bool;
-    /// The vector of eight numbers for the layers along x, whose width is a multiple of eight.
+    /// The vector of eight numbers for the strips, whose layers are a multiple of eight wide.
     type Narrow: Vector;
 
     /// # Safety
@@ -19,6 +19,12 @@ pub(super) trait Vector: Number {
     /// # Safety
     /// `at` must point to `LANES` writable numbers, and the instruction set be there.
     unsafe fn store(self, at: *mut f32);
+    /// The first `count` numbers of `old`, then its own.
+    fn after(self, old: Self, count: usize) -> Self;
+    /// Every number moved one place up, `first` before them.
+    fn moved_up(self, first: f32) -> Self;
+    /// Every number moved one place down, `last` after them.
+    fn moved_down(self, last: f32) -> Self;
 }
 
 /// Eight numbers as the target's default instructions hold them.
@@ -39,6 +45,24 @@ impl Vector for Plain {
     unsafe fn store(self, at: *mut f32) {
         // SAFETY: the caller's promise.
         unsafe { at.cast::<[f32; NARROW]>().write_unaligned(self.0) }
+    }
+    #[inline(always)]
+    fn after(self, old: Self, count: usize) -> Self {
+        Self(std::array::from_fn(|i| {
+            if i < count { old.0[i] } else { self.0[i] }
+        }))
+    }
+    #[inline(always)]
+    fn moved_up(self, first: f32) -> Self {
+        Self(std::array::from_fn(|i| {
+            if i == 0 { first } else { self.0[i - 1] }
+        }))
+    }
+    #[inline(always)]
+    fn moved_down(self, last: f32) -> Self {
+        Self(std::array::from_fn(|i| {
+            if i + 1 == NARROW { last } else { self.0[i + 1] }
+        }))
     }
 }
 
@@ -98,6 +122,33 @@ mod avx {
         unsafe fn store(self, at: *mut f32) {
             // SAFETY: the caller's promise.
             unsafe { _mm256_storeu_ps(at, self.0) }
+        }
+        #[inline(always)]
+        fn after(self, old: Self, count: usize) -> Self {
+            // SAFETY: see below.
+            unsafe {
+                let places = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+                let kept = _mm256_cmpgt_epi32(_mm256_set1_epi32(count as i32), places);
+                Self(_mm256_blendv_ps(self.0, old.0, _mm256_castsi256_ps(kept)))
+            }
+        }
+        #[inline(always)]
+        fn moved_up(self, first: f32) -> Self {
+            // SAFETY: see below.
+            unsafe {
+                let from = _mm256_setr_epi32(0, 0, 1, 2, 3, 4, 5, 6);
+                let moved = _mm256_permutevar8x32_ps(self.0, from);
+                Self(_mm256_blend_ps::<1>(moved, _mm256_set1_ps(first)))
+            }
+        }
+        #[inline(always)]
+        fn moved_down(self, last: f32) -> Self {
+            // SAFETY: see below.
+            unsafe {
+                let from = _mm256_setr_epi32(1, 2, 3, 4, 5, 6, 7, 7);
+                let moved = _mm256_permutevar8x32_ps(self.0, from);
+                Self(_mm256_blend_ps::<128>(moved, _mm256_set1_ps(last)))
+            }
         }
     }
 
@@ -161,6 +212,30 @@ mod avx512 {
         unsafe fn store(self, at: *mut f32) {
             // SAFETY: the caller's promise.
             unsafe { _mm512_storeu_ps(at, self.0) }
+        }
+        #[inline(always)]
+        fn after(self, old: Self, count: usize) -> Self {
+            let kept = ((1_u32 << count) - 1) as __mmask16;
+            // SAFETY: see below.
+            Self(unsafe { _mm512_mask_blend_ps(kept, self.0, old.0) })
+        }
+        #[inline(always)]
+        fn moved_up(self, first: f32) -> Self {
+            // SAFETY: see below.
+            unsafe {
+                let from = _mm512_setr_epi32(0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14);
+                let first = _mm512_set1_ps(first);
+                Self(_mm512_mask_permutexvar_ps(first, !1, from, self.0))
+            }
+        }
+        #[inline(always)]
+        fn moved_down(self, last: f32) -> Self {
+            // SAFETY: see below.
+            unsafe {
+                let from = _mm512_setr_epi32(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 15);
+                let last = _mm512_set1_ps(last);
+                Self(_mm512_mask_permutexvar_ps(last, 0x7fff, from, self.0))
+            }
         }
     }
 

@@ -1,0 +1,291 @@
+//! The strips beside the centre with the layers along x, and the layers along y.
+//!
+//! A vector of a strip takes the plain step and both layers while it is in registers: what the layers read is what the stencil
+//! reads, and the new pressure is stored once. Several rows are taken one after the other, so that the layer's decays stay in
+//! registers too.
+
+use std::ops::Range;
+
+use super::super::super::layer_row;
+use super::super::super::stencil::{Splat, face_memory, layer_cell};
+use super::super::Plan;
+use super::super::layout::Column;
+use super::sweep::Sweep;
+use super::vector::Vector;
+use super::{Levels, Shared};
+
+/// One step of some rows of the strips.
+///
+/// # Safety
+/// As [`super::run_tile`], for these rows.
+#[inline(always)]
+pub(super) unsafe fn strips<V: Vector, S: Sweep<V>>(
+    plan: &Plan,
+    shared: Shared,
+    levels: Levels,
+    rows: Range<usize>,
+) {
+    // Rows of a layer along y apart from the others, whose loops are then short enough for the registers.
+    let cells = plan.setup.layer.cells();
+    let inside = |iy: usize| iy.clamp(rows.start, rows.end);
+    let (low, high) = (inside(cells), inside(plan.setup.ny - cells));
+    // SAFETY: the caller's promise.
+    unsafe {
+        if rows.start < low {
+            strip_rows::<V, S, true>(plan, shared, levels, rows.start..low);
+        }
+        if low < high {
+            strip_rows::<V, S, false>(plan, shared, levels, low..high);
+        }
+        if high < rows.end {
+            strip_rows::<V, S, true>(plan, shared, levels, high..rows.end);
+        }
+    }
+}
+
+/// [`strips`] for rows that all belong to a layer along y (`ALONG_Y`), or none.
+///
+/// # Safety
+/// As [`strips`].
+#[inline(always)]
+unsafe fn strip_rows<V: Vector, S: Sweep<V>, const ALONG_Y: bool>(
+    plan: &Plan,
+    shared: Shared,
+    levels: Levels,
+    rows: Range<usize>,
+) {
+    let weights = &Splat::<V>::new(&plan.setup.weights);
+    for column in &plan.layout.columns {
+        let rows = rows.clone();
+        // SAFETY: the caller's promise.
+        unsafe {
+            match column.layer {
+                Some((0, first)) => layer_column::<V, S, 0, ALONG_Y>(
+                    plan, shared, levels, weights, column.at, first, rows,
+                ),
+                Some((_, first)) => layer_column::<V, S, 1, ALONG_Y>(
+                    plan, shared, levels, weights, column.at, first, rows,
+                ),
+                None if column.foreign == 0 => {
+                    plain_column::<V, S, true, ALONG_Y>(plan, shared, levels, weights, column, rows)
+                }
+                None => plain_column::<V, S, false, ALONG_Y>(
+                    plan, shared, levels, weights, column, rows,
+                ),
+            }
+        }
+    }
+}
+
+/// One step of some rows of the column at `x`, whose cells in the layer along x on side `SIDE` (0 low, 1 high) begin with `first`.
+///
+/// # Safety
+/// As [`super::run_tile`], for these rows.
+#[inline(always)]
+unsafe fn layer_column<V: Vector, S: Sweep<V>, const SIDE: usize, const ALONG_Y: bool>(
+    plan: &Plan,
+    shared: Shared,
+    levels: Levels,
+    weights: &Splat<V>,
+    x: usize,
+    first: usize,
+    rows: Range<usize>,
+) {
+    let stride = plan.layout.stride;
+    let courant2 = V::splat(plan.setup.courant2);
+    let profile = if SIDE == 0 {
+        &plan.setup.layer
+    } else {
+        &plan.high
+    };
+    let [face_at, cell_at] = plan.memory_x.at(SIDE);
+    let memory_stride = plan.memory_x.stride();
+    // SAFETY: the profile has a face more than cells, and these a multiple of eight; offsets come from the layout.
+    unsafe {
+        let face = profile.face.as_ptr().add(first);
+        let decay = [
+            V::load(face),
+            V::load(face.add(1)),
+            V::load(profile.cell.as_ptr().add(first)),
+        ];
+        let at = (rows.start + plan.layout.halo) * stride + x;
+        let (mut now, mut next) = (levels.now.add(at), levels.next.add(at));
+        let mut memory = shared.layer_x.add(rows.start * memory_stride + first);
+        for iy in rows {
+            let mut p = S::cells(weights, now, stride, V::load(next));
+            if ALONG_Y && let Some(along_y) = LayerRow::new(plan, shared, iy) {
+                p = along_y.absorb::<V, S>(weights, now, 1, x, p, 0);
+            }
+            let here = S::layered(weights, now, 1, stride);
+            let west = S::layered(weights, now.sub(1), 1, stride);
+            let east = S::layered(weights, now.add(1), 1, stride);
+            let slopes = [here.sub(west), east.sub(here)];
+            let (face, cell) = (memory.add(face_at), memory.add(cell_at));
+            // The column farther in, which has the inner face of the last cell, comes later.
+            let inner = if SIDE == 0 { face.add(1) } else { face.sub(1) };
+            let (outer, inner) = (V::load(face), V::load(inner));
+            let old = if SIDE == 0 {
+                [outer, inner]
+            } else {
+                [inner, outer]
+            };
+            // Written out: a closure that is not inlined would call every vector instruction as a function.
+            let lower = face_memory(decay[0], old[0], slopes[0]);
+            let upper = face_memory(decay[1], old[1], slopes[1]);
+            let (zeta, change) = layer_cell(slopes, [lower, upper], decay[2], V::load(cell));
+            (if SIDE == 0 { lower } else { upper }).store(face);
+            zeta.store(cell);
+            courant2.mul_add(change, p).store(next);
+            now = now.add(stride);
+            next = next.add(stride);
+            memory = memory.add(memory_stride);
+        }
+    }
+}
+
+/// One step of some rows of a column outside the layers along x, `WHOLE` when all its cells are its own.
+///
+/// # Safety
+/// As [`super::run_tile`], for these rows.
+#[inline(always)]
+unsafe fn plain_column<V: Vector, S: Sweep<V>, const WHOLE: bool, const ALONG_Y: bool>(
+    plan: &Plan,
+    shared: Shared,
+    levels: Levels,
+    weights: &Splat<V>,
+    column: &Column,
+    rows: Range<usize>,
+) {
+    let stride = plan.layout.stride;
+    let foreign = if WHOLE { 0 } else { column.foreign };
+    for iy in rows {
+        let at = (iy + plan.layout.halo) * stride + column.at;
+        // SAFETY: offsets come from the layout; what is foreign is written as it was.
+        unsafe {
+            let (now, next) = (levels.now.add(at), levels.next.add(at));
+            let past = V::load(next);
+            let mut p = S::cells(weights, now, stride, past);
+            if ALONG_Y && let Some(along_y) = LayerRow::new(plan, shared, iy) {
+                p = along_y.absorb::<V, S>(weights, now, 1, column.at, p, foreign);
+            }
+            let p = if WHOLE { p } else { p.after(past, foreign) };
+            p.store(next);
+        }
+    }
+}
+
+/// The layers along y on some vectors of the centre in some rows, after the plain step.
+///
+/// # Safety
+/// As [`super::run_tile`], for these rows.
+#[inline(always)]
+pub(super) unsafe fn along_y<V: Vector, S: Sweep<V>>(
+    plan: &Plan,
+    shared: Shared,
+    levels: Levels,
+    weights: &Splat<V>,
+    vectors: Range<usize>,
+    rows: Range<usize>,
+) {
+    for iy in rows {
+        let Some(layer) = LayerRow::new(plan, shared, iy) else {
+            continue;
+        };
+        let row = (iy + plan.layout.halo) * plan.layout.stride;
+        for j in vectors.clone() {
+            let x = plan.layout.centre_at + j * V::LANES;
+            // SAFETY: the caller's promise.
+            unsafe {
+                let next = levels.next.add(row + x);
+                layer
+                    .absorb::<V, S>(
+                        weights,
+                        levels.now.add(row + x),
+                        V::LANES,
+                        x,
+                        V::load(next),
+                        0,
+                    )
+                    .store(next);
+            }
+        }
+    }
+}
+
+/// A row of a layer along y.
+struct LayerRow {
+    stride: usize,
+    courant2: f32,
+    decay: [f32; 3],
+    high: bool,
+    /// Memory of its outer face.
+    face: *mut f32,
+}
+
+impl LayerRow {
+    /// Row `iy`, if it belongs to a layer.
+    #[inline(always)]
+    fn new(plan: &Plan, shared: Shared, iy: usize) -> Option<Self> {
+        let decay = plan.row_decay[iy]?;
+        let row = layer_row(plan.setup.layer.cells(), plan.setup.ny, iy)?;
+        Some(Self {
+            stride: plan.layout.stride,
+            courant2: plan.setup.courant2,
+            decay,
+            high: plan.memory_y.is_high(row),
+            face: shared.layer_y.wrapping_add(plan.memory_y.face(row)),
+        })
+    }
+
+    /// New pressure after the layer of the vector at `now`, `x` from the start of the row, from the one before; `ahead` is the
+    /// distance of the next cell along x in memory. The memory of the first `foreign` cells stays as it is.
+    ///
+    /// # Safety
+    /// The vector's memory must be this thread's, what the layer reads of `now` be readable, and the row below done but not the row above.
+    #[inline(always)]
+    unsafe fn absorb<V: Vector, S: Sweep<V>>(
+        &self,
+        weights: &Splat<V>,
+        now: *const f32,
+        ahead: usize,
+        x: usize,
+        p: V,
+        foreign: usize,
+    ) -> V {
+        let stride = self.stride;
+        // SAFETY: the caller's promise.
+        unsafe {
+            let layered = |at: *const f32| S::layered(weights, at, stride, ahead);
+            let here = layered(now);
+            let slopes = [
+                here.sub(layered(now.sub(stride))),
+                layered(now.add(stride)).sub(here),
+            ];
+            let decay = self.decay.map(V::splat);
+            let face = self.face.add(x);
+            let cell = face.add(stride);
+            let (outer, old) = (V::load(face), V::load(cell));
+            let faces = if self.high {
+                // The row below has left the new memory of the face between.
+                let lower = V::load(face.sub(2 * stride));
+                [lower, face_memory(decay[1], outer, slopes[1])]
+            } else {
+                let inner = V::load(face.add(2 * stride));
+                [
+                    face_memory(decay[0], outer, slopes[0]),
+                    face_memory(decay[1], inner, slopes[1]),
+                ]
+            };
+            let (zeta, change) = layer_cell(slopes, faces, decay[2], old);
+            let new = faces[usize::from(self.high)];
+            if foreign == 0 {
+                new.store(face);
+                zeta.store(cell);
+            } else {
+                new.after(outer, foreign).store(face);
+                zeta.after(old, foreign).store(cell);
+            }
+            V::splat(self.courant2).mul_add(change, p)
+        }
+    }
+}

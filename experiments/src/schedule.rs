@@ -1,8 +1,10 @@
-//! Several simulations side by side: each on its share of the threads, the longest first, all resumable.
+//! Several simulations side by side: each on its share of the threads, the longest first, the last on those of lanes that are done, all
+//! resumable.
 
 mod lanes;
 
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -14,7 +16,7 @@ use crate::atomic;
 use crate::cache::Cache;
 use crate::interrupt;
 use crate::progress::{Board, duration};
-use crate::simulate::{self, Checkpoint, Engine, Take};
+use crate::simulate::{self, Checkpoint, Engine, Running, Take};
 
 /// Wall-clock time of the speed measurement behind an estimate, seconds.
 const MEASURING_S: f64 = 0.4;
@@ -150,16 +152,30 @@ pub fn run(
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
     let queue: Mutex<VecDeque<&Job>> = Mutex::new(order.into_iter().map(|(_, job)| job).collect());
     let failures: Mutex<Vec<anyhow::Error>> = Mutex::default();
+    let spare = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         for _ in 0..lanes {
             scope.spawn(|| {
+                let mine = AtomicUsize::new(share);
+                let freed = || {
+                    let more = spare.swap(0, Ordering::Relaxed);
+                    mine.fetch_add(more, Ordering::Relaxed);
+                    more
+                };
                 while let Some(job) = next(&queue, &failures) {
-                    if let Err(error) = one(job, cache, share, board)
+                    let running = Running {
+                        threads: mine.load(Ordering::Relaxed),
+                        freed: Some(&freed),
+                        ..Running::default()
+                    };
+                    if let Err(error) = one(job, cache, running, board)
                         && let Ok(mut failures) = failures.lock()
                     {
                         failures.push(error.context(format!("simulation of {}", job.label)));
                     }
                 }
+                // A lane without work leaves its threads to one that has some.
+                spare.fetch_add(mine.into_inner(), Ordering::Relaxed);
             });
         }
     });
@@ -191,7 +207,7 @@ fn length_s(job: &Job) -> f64 {
 }
 
 /// Simulates one job into the cache.
-fn one(job: &Job, cache: &Cache, threads: usize, board: &Board) -> Result<()> {
+fn one(job: &Job, cache: &Cache, running: Running<'_>, board: &Board) -> Result<()> {
     interrupt::check()?;
     let scene = &job.scene;
     let steps = (length_s(job) / scene.grid.dt_s).ceil() as u64;
@@ -201,7 +217,11 @@ fn one(job: &Job, cache: &Cache, threads: usize, board: &Board) -> Result<()> {
         resume: true,
     };
     let started = Instant::now();
-    let signal = simulate::signal(scene, &job.take, threads, Some(&checkpoint), None, &task)?;
+    let running = Running {
+        checkpoint: Some(&checkpoint),
+        ..running
+    };
+    let signal = simulate::signal(scene, &job.take, &running, &task)?;
     let seconds = started.elapsed().as_secs_f64();
     let recording = simulate::recording(scene, &job.take, signal, seconds)?;
     atomic::write_folder(&cache.recording(&job.key), |folder| {

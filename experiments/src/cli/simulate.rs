@@ -16,7 +16,7 @@ use crate::atomic;
 use crate::progress::{Board, duration};
 use crate::robot::Robot;
 use crate::schedule;
-use crate::simulate::{self, Checkpoint, Engine, ODOMETRY_BIAS_RADPS, Snapshots, Take};
+use crate::simulate::{self, Checkpoint, Engine, ODOMETRY_BIAS_RADPS, Running, Snapshots, Take};
 
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -199,14 +199,13 @@ impl Arguments {
                 path: self.beside(ending),
                 resume: self.resume,
             };
-            simulate::signal(
-                &scene,
-                take,
-                self.threads,
-                Some(&checkpoint),
-                pictures,
-                &task,
-            )
+            let running = Running {
+                threads: self.threads,
+                checkpoint: Some(&checkpoint),
+                snapshots: pictures,
+                ..Running::default()
+            };
+            simulate::signal(&scene, take, &running, &task)
         };
         let mut leftovers = Vec::new();
         // One drive, with the air's absorption where that is asked for.

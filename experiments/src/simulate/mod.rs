@@ -42,6 +42,19 @@ pub struct Snapshots {
     pub every_s: f64,
 }
 
+/// How a simulation is run; nothing of it changes what is heard.
+#[derive(Clone, Copy, Default)]
+pub struct Running<'a> {
+    /// Threads to begin with; 0 takes all.
+    pub threads: usize,
+    /// How many threads others have left to this simulation since the last call.
+    pub freed: Option<&'a (dyn Fn() -> usize + Sync)>,
+    /// Where its state is kept.
+    pub checkpoint: Option<&'a Checkpoint>,
+    /// Pictures on the way.
+    pub snapshots: Option<&'a Snapshots>,
+}
+
 /// Parameters of the localizer with the waveform, rate and medium of a scene.
 pub fn parameters_of(scene: &Scene, base: &Parameters) -> Parameters {
     Parameters {
@@ -104,16 +117,9 @@ pub fn prepare(scene: &Scene, take: &Take, threads: usize) -> Result<Simulation>
 ///
 /// # Errors
 /// [`Interrupted`] after the checkpoint was written; otherwise what the field refuses.
-pub fn signal(
-    scene: &Scene,
-    take: &Take,
-    threads: usize,
-    checkpoint: Option<&Checkpoint>,
-    snapshots: Option<&Snapshots>,
-    task: &Task,
-) -> Result<Vec<f32>> {
+pub fn signal(scene: &Scene, take: &Take, running: &Running<'_>, task: &Task) -> Result<Vec<f32>> {
     match take.engine {
-        Engine::Fdtd => field_signal(scene, take, threads, checkpoint, snapshots, task),
+        Engine::Fdtd => field_signal(scene, take, running, task),
         Engine::ImageSource => image_signal(scene, take),
     }
 }
@@ -152,12 +158,15 @@ fn image_signal(scene: &Scene, take: &Take) -> Result<Vec<f32>> {
 fn field_signal(
     scene: &Scene,
     take: &Take,
-    threads: usize,
-    checkpoint: Option<&Checkpoint>,
-    snapshots: Option<&Snapshots>,
+    running: &Running<'_>,
     task: &Task,
 ) -> Result<Vec<f32>> {
-    let mut simulation = prepare(scene, take, threads)?;
+    let Running {
+        checkpoint,
+        snapshots,
+        ..
+    } = *running;
+    let mut simulation = prepare(scene, take, running.threads)?;
     task.set_length(simulation.steps_total());
     if let Some(checkpoint) = checkpoint
         && checkpoint.resume
@@ -191,7 +200,10 @@ fn field_signal(
         };
         match duties() {
             Ok(()) if interrupt::requested() => Flow::Stop,
-            Ok(()) => Flow::Continue,
+            Ok(()) => match running.freed.map_or(0, |freed| freed()) {
+                0 => Flow::Continue,
+                more => Flow::OnThreads(simulation.threads() + more),
+            },
             Err(error) => {
                 trouble = Some(error);
                 Flow::Stop

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Result, anyhow};
 use fdtd::scene::Scene;
 
-use super::{Engine, Take, signal};
+use super::{Engine, Running, Take, signal};
 
 /// A small scene that touches every part of an engine: wall, layer, motion, decimation.
 const PROBE: &str = r#"{
@@ -40,8 +40,12 @@ pub fn engine_print(take: &Take, scene: &Scene) -> Result<String> {
         wall_model: Some(take.wall_model.unwrap_or(scene.wall_model)),
         ..take.clone()
     };
+    let running = Running {
+        threads: 1,
+        ..Running::default()
+    };
     let task = crate::progress::Board::new().task("probe", 1);
-    let samples = signal(&probe, &take, 1, None, None, &task)?;
+    let samples = signal(&probe, &take, &running, &task)?;
     Ok(crate::cache::hash_of_samples(&samples))
 }
 

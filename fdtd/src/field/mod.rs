@@ -127,6 +127,12 @@ pub trait Field: Send {
     /// How many steps per call of [`Field::advance`] suit the engine.
     fn preferred_block(&self) -> usize;
 
+    /// Goes on with another number of threads, at least one; an engine of one thread does nothing.
+    ///
+    /// # Panics
+    /// When the threads cannot be started.
+    fn set_threads(&mut self, _threads: usize) {}
+
     /// The state in plain order.
     fn state(&self) -> FieldState;
 

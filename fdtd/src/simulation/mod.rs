@@ -36,6 +36,8 @@ pub struct Progress {
 pub enum Flow {
     /// Go on.
     Continue,
+    /// Go on with this many threads, which changes no byte.
+    OnThreads(usize),
     /// Stop after this step; the run can be continued.
     Stop,
 }
@@ -223,8 +225,14 @@ impl Simulation {
                 step: self.step(),
                 steps_total,
             };
-            if observer(progress, self) == Flow::Stop && self.step() < steps_total {
-                return Ok(Outcome::Stopped);
+            match observer(progress, self) {
+                Flow::Continue => {}
+                Flow::OnThreads(threads) => {
+                    self.threads = threads.max(1);
+                    self.field.set_threads(self.threads);
+                }
+                Flow::Stop if self.step() < steps_total => return Ok(Outcome::Stopped),
+                Flow::Stop => {}
             }
         }
         Ok(Outcome::Finished)

@@ -57,8 +57,13 @@ fn waveform() -> PeriodicWaveform {
     PeriodicWaveform::new(&chips, 511.0 / 40e3, 19e3, 1.0 / DT_S)
 }
 
-fn bytes(mut simulation: Simulation) -> Vec<u32> {
-    let outcome = simulation.run(&mut |_, _| Flow::Continue);
+fn bytes(simulation: Simulation) -> Vec<u32> {
+    bytes_with(simulation, |_| Flow::Continue)
+}
+
+/// What is heard when the observer says `flow` after so many steps.
+fn bytes_with(mut simulation: Simulation, flow: impl Fn(u64) -> Flow) -> Vec<u32> {
+    let outcome = simulation.run(&mut |progress, _| flow(progress.step));
     assert!(outcome.is_ok(), "{outcome:?}");
     let signal = simulation.signal();
     assert_eq!(signal.len(), (DURATION_S * 40e3) as usize);
@@ -148,5 +153,17 @@ fn threads_and_engine_do_not_matter() {
             assert!(alone == with(threads, false), "{scheme}: {threads} threads");
         }
         assert!(alone == with(1, true), "{scheme}: reference engine");
+        let options = SimulationOptions {
+            threads: 2,
+            ..SimulationOptions::default()
+        };
+        let changing =
+            Simulation::new(&scene(scheme, path.clone()), "drive", &waveform(), &options)
+                .expect("a valid scene");
+        let crew = |step: u64| Flow::OnThreads([1, 3, 2][(step / 700 % 3) as usize]);
+        assert!(
+            alone == bytes_with(changing, crew),
+            "{scheme}: threads that come and go"
+        );
     }
 }

@@ -254,6 +254,14 @@ impl Field for FastField {
         }
     }
 
+    fn set_threads(&mut self, threads: usize) {
+        let threads = threads.max(1);
+        if threads != self.threads {
+            self.team = Team::new(threads);
+            self.threads = threads;
+        }
+    }
+
     fn preferred_block(&self) -> usize {
         BLOCK / self.plan.setup.scheme.radius()
     }

@@ -10,7 +10,7 @@ use std::path::Path;
 use crate::Error;
 use crate::field::FieldState;
 
-const MAGIC: &str = "fdtd checkpoint 2";
+const MAGIC: &str = "fdtd checkpoint 3";
 
 /// FNV-1a over whole numbers: enough to tell inputs apart and to notice a damaged file.
 pub(super) fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {

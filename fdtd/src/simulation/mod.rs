@@ -366,9 +366,13 @@ impl Simulation {
                 .into_iter()
                 .chain([area, west, south].map(f64::to_bits))
         });
-        let surfaces = walls
-            .loads()
-            .flat_map(|(cell, load)| [cell as u64, load.impedance_pasm.to_bits()]);
+        let surfaces = walls.loads().iter().flat_map(|load| {
+            let [ix, iy] = load.cell.map(|at| at as u64);
+            let numbers = [load.impedance_pasm, load.length, load.slope, load.open];
+            [ix, iy, load.axis as u64, load.inward.cast_unsigned() as u64]
+                .into_iter()
+                .chain(numbers.map(f64::to_bits))
+        });
         let walls = checkpoint::digest(solid.chain(parts).chain(surfaces));
         let drive = checkpoint::digest((0..=64).flat_map(|k| {
             self.drive

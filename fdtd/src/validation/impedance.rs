@@ -20,7 +20,11 @@ use std::f64::consts::{PI, TAU};
 pub const RATIOS: [f64; 5] = [0.05, 0.3, 1.0, 3.0, 20.0];
 
 /// Frequency in hertz, cells across the duct, modes (0, about 40 and 62 to 67 degrees).
-pub const CASES: [(f64, usize, [usize; 3]); 2] = [(4e3, 96, [0, 7, 10]), (10e3, 48, [0, 9, 13])];
+pub const CASES: [(f64, usize, [usize; 4]); 3] = [
+    (4e3, 96, [0, 5, 8, 10]),
+    (10e3, 96, [0, 14, 22, 27]),
+    (13e3, 96, [0, 18, 28, 35]),
+];
 
 /// Cells between the start of the grid and the duct.
 const SIDE: usize = 28;
@@ -92,7 +96,7 @@ fn heard(
 }
 
 /// Largest error of the reflection factor over impedances and angles, with the angle in degrees and the ratio where it is.
-pub fn largest(scheme: Scheme, (frequency_hz, width, modes): (f64, usize, [usize; 3])) -> [f64; 3] {
+pub fn largest(scheme: Scheme, (frequency_hz, width, modes): (f64, usize, [usize; 4])) -> [f64; 3] {
     let mut most = [0.0; 3];
     for mode in modes {
         let rigid = heard(scheme, frequency_hz, width, mode, None);

@@ -15,6 +15,7 @@ pub mod rig;
 pub mod room;
 pub mod scene_echoes;
 pub mod tilted;
+pub mod tilted_impedance;
 
 use serde::Serialize;
 

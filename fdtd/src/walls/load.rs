@@ -36,7 +36,7 @@ pub struct Surface {
     pub memory: usize,
 }
 
-/// Cells beside a surface need so much air to take part along it: small ones would ask for more mass than is there.
+/// Cells beside a surface need so much of the air of the first cell to take part along it: small ones would ask for more mass than is there.
 const LEAST_BESIDE: f64 = 0.5;
 
 /// The surfaces of `walls` by row, for the Courant number of `polynomial` and the characteristic impedance `rho c` of the air in Pa s/m.
@@ -118,15 +118,16 @@ fn reach(walls: &WallCells, load: &Load, aperture: &Aperture) -> Reach {
         weights[missing - 1] += weights[missing];
     }
     let mut reach: Reach = cells.iter().copied().zip(weights).collect();
-    let largest = (0..cells.len()).max_by(|&i, &j| weights[i].abs().total_cmp(&weights[j].abs()));
-    let middle = cells[largest.unwrap_or(0)];
+    let area = |[ix, iy]: [usize; 2]| {
+        let opening = walls.opening(ix as isize, iy as isize);
+        opening.map_or(0.0, |opening| opening.area)
+    };
     for side in [-1, 1] {
-        if let Some(cell) = beside(walls, middle, 1 - load.axis, side) {
-            let opening = walls.opening(cell[0] as isize, cell[1] as isize);
-            if opening.is_some_and(|opening| opening.area >= LEAST_BESIDE) {
-                *reach.entry(middle).or_default() -= aperture.along;
-                *reach.entry(cell).or_default() += aperture.along;
-            }
+        if let Some(cell) = beside(walls, load.cell, 1 - load.axis, side)
+            && area(cell) >= LEAST_BESIDE * area(load.cell)
+        {
+            *reach.entry(load.cell).or_default() -= aperture.along;
+            *reach.entry(cell).or_default() += aperture.along;
         }
     }
     reach.retain(|_, weight| *weight != 0.0);

@@ -10,6 +10,7 @@
 
 use super::rig::{AIR, DT_S, DX_M, Rig, difference, line};
 use super::tilted::Tilted;
+use super::{Depth, Measurement};
 use crate::Error;
 use crate::exact::burst::Burst;
 use crate::scheme::Scheme;
@@ -26,8 +27,15 @@ const DISTANCE_M: f64 = 0.4;
 /// Impedances over that of the air.
 pub const RATIOS: [f64; 3] = [0.2, 1.0, 5.0];
 
-/// Tilts in degrees.
-pub const TILTS: [f64; 3] = [3.0, 10.0, 30.0];
+/// Tilts in degrees, and what the factor may be off for each of [`RATIOS`].
+pub const TILTS: [(f64, [f64; 3]); 3] = [
+    (3.0, [0.05, 0.03, 0.02]),
+    (10.0, [0.06, 0.05, 0.03]),
+    (30.0, [0.06, 0.04, 0.03]),
+];
+
+/// Schemes that are held to it.
+pub const SCHEMES: [Scheme; 3] = [Scheme::M13, Scheme::O13, Scheme::D25];
 
 /// Errors of the reflection factor for the impedances of [`RATIOS`], at an angle of incidence whose tangent is given, with the
 /// wall moved into its normal by `shift` cells.
@@ -77,4 +85,40 @@ pub fn errors(
         *error = (found - Complex::new((z * cos - 1.0) / sum, next)).norm();
     }
     Ok(errors)
+}
+
+/// Measurements of the echo.
+///
+/// # Errors
+/// When the field becomes non-finite.
+pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
+    let (schemes, shifts) = match depth {
+        Depth::Quick => (&SCHEMES[1..2], &[0.37][..]),
+        Depth::Full => (&SCHEMES[..], &[0.0, 0.37, 0.71][..]),
+    };
+    let mut found = Vec::new();
+    for &scheme in schemes {
+        let shown = (45.0, [f64::INFINITY; 3]);
+        for (tilt_deg, allowed) in TILTS.into_iter().chain([shown]) {
+            for (tangent, incidence) in [(0.0, 0), (1.0, 45)] {
+                let mut most = [0.0_f64; 3];
+                for &shift in shifts {
+                    let off = errors(scheme, WallModel::CutCells, tilt_deg, tangent, shift)?;
+                    most = std::array::from_fn(|i| most[i].max(off[i]));
+                }
+                for ((error, allowed), ratio) in most.into_iter().zip(allowed).zip(RATIOS) {
+                    let case = format!(
+                        "{scheme}, {tilt_deg} degrees, met at {incidence}, Z = {ratio} rho c"
+                    );
+                    let quantity = "reflection factor, error";
+                    found.push(if allowed.is_finite() {
+                        Measurement::below(case, quantity, error, allowed)
+                    } else {
+                        Measurement::shown(case, quantity, error)
+                    });
+                }
+            }
+        }
+    }
+    Ok(found)
 }

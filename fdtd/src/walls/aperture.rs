@@ -72,8 +72,62 @@ impl Apertures {
         }
     }
 
+    /// The weights where the wall leaves the part `open` of the first cell and its normal has the cosine `slope` to the axis.
+    ///
+    /// Over all places the table is a kernel: the weight of a cell by its distance from the wall. Before a slanted wall the cells of a row are
+    /// closer together in this distance. The kernel gives their weights, times what keeps sum and second moment; and the mass changes by what lies between
+    /// the flows at these distances, `sum e_i e_j max(d_i, d_j)`.
+    pub(super) fn at(&self, open: f64, slope: f64) -> Aperture {
+        let upright = self.entry(open);
+        let distances = [0.0, 1.0, 2.0].map(|i| (open - 0.5 + i) * slope);
+        let kernel = distances.map(|d| slope * self.kernel(d));
+        let moment = |weights: [f64; 3], distances: [f64; 3], power: i32| -> f64 {
+            let terms = weights.iter().zip(distances);
+            terms.map(|(weight, d)| weight * d.powi(power)).sum()
+        };
+        let between = |weights: [f64; 3], distances: [f64; 3]| -> f64 {
+            let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
+            pairs
+                .map(|(i, j)| weights[i] * weights[j] * distances[i].max(distances[j]))
+                .sum()
+        };
+        let places = [0.0, 1.0, 2.0].map(|i| open - 0.5 + i);
+        // The least change that brings sum and second moment to those of the upright wall.
+        let squares = distances.map(|d| d * d);
+        let want = [
+            1.0 - kernel.iter().sum::<f64>(),
+            moment(upright.weights, places, 2) - moment(kernel, distances, 2),
+        ];
+        let give = [open, 1.0, 0.5];
+        let [m0, m2, m4] = [0, 2, 4].map(|power| moment(give, distances, power));
+        let det = m0 * m4 - m2 * m2;
+        let (a, b) = (
+            (m4 * want[0] - m2 * want[1]) / det,
+            (m0 * want[1] - m2 * want[0]) / det,
+        );
+        let weights: [f64; 3] = std::array::from_fn(|i| kernel[i] + give[i] * (a + b * squares[i]));
+        // The cells of a row lie beside each other along a slanted wall too.
+        let [first, second] = [1, 2].map(|power| moment(weights, [0.0, 1.0, 2.0], power));
+        let wide = 0.5 * (1.0 - slope * slope) * (second - first * first);
+        Aperture {
+            weights,
+            along: (upright.along - wide).max(0.0),
+            mass: upright.mass + between(weights, distances) - between(upright.weights, places),
+        }
+    }
+
+    /// Weight of a cell whose middle is so many cell widths from the wall.
+    fn kernel(&self, distance: f64) -> f64 {
+        let cell = (distance + 0.5).ceil() - 1.0;
+        if (0.0..3.0).contains(&cell) {
+            self.entry(distance + 0.5 - cell).weights[cell as usize]
+        } else {
+            0.0
+        }
+    }
+
     /// The weights where the wall leaves the part `open` of the first cell, between two of the table.
-    pub(super) fn at(&self, open: f64) -> Aperture {
+    fn entry(&self, open: f64) -> Aperture {
         let last = self.table.len() - 1;
         let place = ((1.0 - open) * PLACES as f64).clamp(0.0, last as f64);
         let low = (place as usize).min(last - 1);

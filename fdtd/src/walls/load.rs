@@ -57,8 +57,8 @@ pub(super) fn surfaces(
         .loads()
         .iter()
         .map(|load| {
-            let aperture = apertures.at(load.open);
-            (reach(walls, load, &aperture), load.slope * aperture.mass)
+            let aperture = apertures.at(load.open, load.slope);
+            (reach(walls, load, &aperture), aperture.mass)
         })
         .collect();
     let mut shared: BTreeMap<[usize; 2], f64> = BTreeMap::new();

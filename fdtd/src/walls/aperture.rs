@@ -45,7 +45,7 @@ const RATIOS: [f64; 11] = [0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 3.0, 6.0, 
 /// Weights for all places of the wall, for one scheme at one Courant number.
 #[derive(Debug, Clone)]
 pub(super) struct Apertures {
-    /// From the wall on the cell's far border (the whole cell is open) to a sixteenth of it.
+    /// From the wall on the cell's far border (the whole cell is open) to that on the near one, in sixteenths.
     table: Vec<Aperture>,
 }
 
@@ -67,9 +67,15 @@ impl Apertures {
                 mass: x[3],
             }
         });
-        Self {
-            table: table.collect(),
-        }
+        let mut table: Vec<Aperture> = table.collect();
+        // A wall that leaves nothing of the cell lies on the border of the next.
+        let [first, second, third] = table[0].weights;
+        table.push(Aperture {
+            weights: [0.0, first, second + third],
+            along: 0.0,
+            mass: table[0].mass,
+        });
+        Self { table }
     }
 
     /// The weights where the wall leaves the part `open` of the first cell and its normal has the cosine `slope` to the axis.

@@ -80,6 +80,7 @@ impl FieldSetup {
             walls: WallOperator::new(walls, &weights, scheme.radius()).with_surfaces(
                 walls,
                 &scheme.polynomial(courant),
+                scheme.radius(),
                 medium.rho_kgpm3 * medium.c_mps,
             ),
         }

@@ -47,11 +47,14 @@ const RATIOS: [f64; 11] = [0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 3.0, 6.0, 
 pub(super) struct Apertures {
     /// From the wall on the cell's far border (the whole cell is open) to that on the near one, in sixteenths.
     table: Vec<Aperture>,
+    /// Whether the third cell and those along the wall are left out, which the rows of a 5-point stencil do not reach.
+    narrow: bool,
 }
 
 impl Apertures {
-    /// Works them out. `narrow` leaves out the third cell and those along the wall, which a 5-point stencil must not reach.
-    pub(super) fn new(polynomial: &Polynomial, narrow: bool) -> Self {
+    /// Works them out.
+    pub(super) fn new(polynomial: &Polynomial) -> Self {
+        let narrow = polynomial.square == 0.0;
         let free = [true, !narrow, !narrow, true];
         let edge = BAND_EDGE * if narrow { 0.5 } else { 1.0 };
         let spare = polynomial.spare();
@@ -64,18 +67,22 @@ impl Apertures {
             Aperture {
                 weights: taps(x),
                 along: x[2],
-                mass: x[3],
+                mass: x[3].max(least_mass(given, x)),
             }
         });
         let mut table: Vec<Aperture> = table.collect();
         // A wall that leaves nothing of the cell lies on the border of the next.
         let [first, second, third] = table[0].weights;
         table.push(Aperture {
-            weights: [0.0, first, second + third],
+            weights: if narrow {
+                [0.0, 1.0, 0.0]
+            } else {
+                [0.0, first, second + third]
+            },
             along: 0.0,
             mass: table[0].mass,
         });
-        Self { table }
+        Self { table, narrow }
     }
 
     /// The weights where the wall leaves the part `open` of the first cell and its normal has the cosine `slope` to the axis.
@@ -98,6 +105,16 @@ impl Apertures {
                 .sum()
         };
         let places = [0.0, 1.0, 2.0].map(|i| open - 0.5 + i);
+        if self.narrow {
+            // Two cells: no more than their sum can be kept.
+            let part = (1.0 - kernel[0] - kernel[1]) / (open + 1.0);
+            let weights = [kernel[0] + part * open, kernel[1] + part, 0.0];
+            return Aperture {
+                weights,
+                along: 0.0,
+                mass: upright.mass + between(weights, distances) - between(upright.weights, places),
+            };
+        }
         // The least change that brings sum and second moment to those of the upright wall.
         let squares = distances.map(|d| d * d);
         let want = [
@@ -250,14 +267,17 @@ fn chain(open: f64, pole: Complex<f64>, wave: bool) -> [[Complex<f64>; 3]; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| back[i.min(j)] * out[i.max(j)] / jump))
 }
 
+/// The least mass that keeps the surface passive, from what the cells have to spare.
+fn least_mass(given: [f64; 3], x: [f64; 4]) -> f64 {
+    let [first, second, third] = taps(x);
+    let first = (first - 2.0 * x[2]).abs() + 2.0 * x[2].abs();
+    first * first / given[0] + second * second / given[1] + third * third / given[2]
+}
+
 /// Sum of the eighth powers of the errors of the reflection factor: nearly their largest, but smooth. `given` is what the cells have to spare.
 fn loss(places: &[Place], courant: f64, given: [f64; 3], x: [f64; 4]) -> f64 {
     let weights = taps(x);
-    let (own, beside) = ((weights[0] - 2.0 * x[2]).abs(), x[2].abs());
-    let least = (own + 2.0 * beside).powi(2) / given[0]
-        + weights[1] * weights[1] / given[1]
-        + weights[2] * weights[2] / given[2];
-    let mass = x[3].max(least);
+    let mass = x[3].max(least_mass(given, x));
     let mut sum = 0.0;
     for place in places {
         let mut e = weights;

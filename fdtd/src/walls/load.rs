@@ -39,18 +39,18 @@ pub struct Surface {
 /// Cells beside a surface need so much of the air of the first cell to take part along it: small ones would ask for more mass than is there.
 const LEAST_BESIDE: f64 = 0.5;
 
-/// The surfaces of `walls` by row, for the Courant number of `polynomial` and the characteristic impedance `rho c` of the air in Pa s/m.
+/// The surfaces of `walls` by row for a stencil of a radius, for the Courant number of `polynomial` and the characteristic impedance `rho c` of the air in Pa s/m.
 pub(super) fn surfaces(
     walls: &WallCells,
     polynomial: &Polynomial,
+    radius: usize,
     characteristic_pasm: f64,
 ) -> Vec<Vec<Surface>> {
     let mut rows = vec![Vec::new(); walls.size()[1]];
     if walls.loads().is_empty() {
         return rows;
     }
-    let narrow = polynomial.square == 0.0;
-    let apertures = Apertures::new(polynomial, narrow);
+    let apertures = Apertures::new(polynomial);
     let courant = polynomial.courant;
     let spare = polynomial.spare().max(1e-6);
     let reaches: Vec<(Reach, f64)> = walls
@@ -86,6 +86,8 @@ pub(super) fn surfaces(
         for (iy, gains) in gains {
             let tap = |(&[ix, y], weight): (&[usize; 2], &f64)| {
                 let dy = y as isize - iy as isize;
+                // The fast engine has no other rows at hand.
+                assert!(dy.unsigned_abs() <= radius, "a surface beyond the stencil");
                 (dy, ix, (weight / (mass + half)) as f32)
             };
             rows[iy].push(Surface {

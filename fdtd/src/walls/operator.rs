@@ -187,16 +187,17 @@ impl WallOperator {
         operator
     }
 
-    /// With the surfaces of `walls` that are not rigid, for the Courant number of `polynomial` and the characteristic impedance `rho c`
+    /// With the surfaces of `walls` that are not rigid, for a stencil of `radius`, the Courant number of `polynomial` and the characteristic impedance `rho c`
     /// of the air in Pa s/m.
     #[must_use]
     pub fn with_surfaces(
         mut self,
         walls: &WallCells,
         polynomial: &Polynomial,
+        radius: usize,
         characteristic_pasm: f64,
     ) -> Self {
-        self.surfaces = surfaces(walls, polynomial, characteristic_pasm);
+        self.surfaces = surfaces(walls, polynomial, radius, characteristic_pasm);
         self
     }
 

@@ -5,7 +5,7 @@ use fdtd::field::{FastField, Field, FieldSetup, Injection, ReferenceField, StepF
 use fdtd::grid::{Grid, Medium};
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
-use fdtd::walls::{SolidMask, Wall, cut};
+use fdtd::walls::{SolidMask, Wall, WallModel};
 use proptest::prelude::*;
 
 const AIR: Medium = Medium {
@@ -120,13 +120,14 @@ proptest! {
         portable in any::<bool>(),
         rectangles in prop::collection::vec(prop::array::uniform4(0usize..180), 0..4),
         lines in prop::collection::vec(prop::array::uniform4(0.0..0.9_f64), 0..3),
+        model in prop::sample::select(&WallModel::ALL[..]),
     ) {
         let grid = grid(nx, ny);
         let rectangles: Vec<_> = rectangles.iter().map(|&[x, y, w, h]| [x, y, 2 + w / 8, 2 + h / 3]).collect();
         let walls = if lines.is_empty() {
             mask(&grid, &rectangles).into()
         } else {
-            cut(&grid, &slanted(&lines))
+            model.cells(&grid, &slanted(&lines))
         };
         let setup = FieldSetup::new(&grid, &AIR, scheme, layer, &walls);
         let instructions = if portable { InstructionSet::Portable } else { InstructionSet::detect() };

@@ -80,6 +80,7 @@ impl FieldSetup {
             walls: WallOperator::new(walls, &weights, scheme.radius()).with_surfaces(
                 walls,
                 &scheme.polynomial(courant),
+                scheme.radius(),
                 medium.rho_kgpm3 * medium.c_mps,
             ),
         }
@@ -115,7 +116,8 @@ pub struct FieldState {
     pub layer_x: Vec<f32>,
     /// Memory of the layers along y: `[row of layer, 3, ix]`, rows of the low side first.
     pub layer_y: Vec<f32>,
-    /// Velocity times `rho c` into each surface that is not rigid, half a step before `pressure`, in Pa.
+    /// Velocity times `rho c` into surfaces that are not rigid, half a step before `pressure`, in Pa: one for each surface and row of the grid that it
+    /// takes its flow from.
     pub surfaces: Vec<f32>,
 }
 

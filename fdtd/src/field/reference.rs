@@ -137,9 +137,14 @@ impl ReferenceField {
             }
             for surface in &self.setup.walls.surfaces[iy] {
                 let before = self.surfaces[surface.memory];
-                let after = surface.velocity(before, row(0)[RIM + surface.ix]);
+                let mut after = surface.decay * before;
+                for &(dy, ix, weight) in &surface.taps {
+                    after = weight.mul_add(row(dy)[RIM + ix], after);
+                }
                 self.surfaces[surface.memory] = after;
-                next[surface.ix] = surface.gain.mul_add(before - after, next[surface.ix]);
+                for &(ix, gain) in &surface.gains {
+                    next[ix] = gain.mul_add(before - after, next[ix]);
+                }
             }
             for &ix in &self.setup.walls.solid[iy] {
                 next[ix] = 0.0;

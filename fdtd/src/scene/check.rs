@@ -6,6 +6,8 @@ use crate::grid::Grid;
 
 /// What a cell of the field takes at the very least: two time levels, the next one and the layer's share, as `f32`.
 const BYTES_PER_CELL: u64 = 16;
+/// What a scheme must leave a wall of an impedance: with less, its surface gets more mass than the air before it has.
+const LEAST_SPARE: f64 = 1.0;
 /// Most cells along one axis; positions in cells stay exact in `f32`.
 const MAX_CELLS: usize = 1 << 20;
 
@@ -207,7 +209,43 @@ impl Checker<'_> {
         Ok(())
     }
 
+    /// Surfaces of an impedance take their springs from what the scheme leaves below its stability limit.
+    fn surfaces(&self) -> Result<(), Error> {
+        let Scene {
+            grid,
+            medium,
+            scheme,
+            walls,
+            ..
+        } = self.scene;
+        let Some(index) = walls.iter().position(|wall| wall.impedance_pasm.is_some()) else {
+            return Ok(());
+        };
+        let enough = |part: f64| {
+            let polynomial = scheme.polynomial(part * grid.courant(medium));
+            polynomial.spare() >= LEAST_SPARE
+        };
+        if enough(1.0) {
+            return Ok(());
+        }
+        let (mut low, mut high) = (0.1, 1.0);
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            *(if enough(middle) { &mut low } else { &mut high }) = middle;
+        }
+        let problem = format!(
+            "{:e} s is too near the stability limit of the scheme {scheme} for the impedance of walls[{index}]",
+            grid.dt_s
+        );
+        let remedy = format!(
+            "give a step of {} s or less, or a rigid wall",
+            round_down(low * grid.dt_s)
+        );
+        self.refuse("grid.dt_s", problem, remedy)
+    }
+
     fn walls(&self) -> Result<(), Error> {
+        self.surfaces()?;
         let Scene {
             grid, layer_cells, ..
         } = self.scene;

@@ -12,7 +12,7 @@ use crate::Error;
 use crate::field::FieldState;
 use crate::walls::Opening;
 
-const MAGIC: &str = "fdtd checkpoint 2";
+const MAGIC: &str = "fdtd checkpoint 3";
 
 /// FNV-1a over whole numbers: enough to tell inputs apart and to notice a damaged file.
 fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
@@ -171,9 +171,13 @@ impl Simulation {
                 .into_iter()
                 .chain([area, west, south].map(f64::to_bits))
         });
-        let surfaces = walls
-            .loads()
-            .flat_map(|(cell, load)| [cell as u64, load.impedance_pasm.to_bits()]);
+        let surfaces = walls.loads().iter().flat_map(|load| {
+            let [ix, iy] = load.cell.map(|at| at as u64);
+            let numbers = [load.impedance_pasm, load.length, load.slope, load.open];
+            [ix, iy, load.axis as u64, load.inward.cast_unsigned() as u64]
+                .into_iter()
+                .chain(numbers.map(f64::to_bits))
+        });
         let walls = digest(solid.chain(parts).chain(surfaces));
         let pieces = &self.plan.pieces;
         let steps = pieces.last().map_or(0, |piece| piece.to);

@@ -15,6 +15,7 @@ pub mod rig;
 pub mod room;
 pub mod scene_echoes;
 pub mod tilted;
+pub mod tilted_impedance;
 
 use serde::Serialize;
 
@@ -104,7 +105,7 @@ pub struct Law {
 }
 
 /// All laws, in the table's order.
-pub const LAWS: [Law; 15] = [
+pub const LAWS: [Law; 16] = [
     Law {
         name: "line source in free field, at rest and moving",
         measure: free_field::measure,
@@ -124,6 +125,10 @@ pub const LAWS: [Law; 15] = [
     Law {
         name: "reflection of an impedance",
         measure: impedance::measure,
+    },
+    Law {
+        name: "echo of a tilted wall of an impedance",
+        measure: tilted_impedance::measure,
     },
     Law {
         name: "two parallel walls: time scale 1",

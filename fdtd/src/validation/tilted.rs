@@ -38,17 +38,17 @@ pub const TILTS: [(f64, [f64; 2]); 4] = [
 pub const SCHEMES: [Scheme; 3] = [Scheme::M13, Scheme::O13, Scheme::D25];
 
 /// A wall with its face across a line.
-struct Tilted {
+pub(super) struct Tilted {
     /// Unit vector from the front of the wall into it.
-    normal: [f64; 2],
+    pub(super) normal: [f64; 2],
     /// Middle of the face in metres.
     foot_m: [f64; 2],
-    wall: Wall,
+    pub(super) wall: Wall,
 }
 
 impl Tilted {
     /// A wall of `length_m` whose face is tilted against the x axis and has its middle at `foot_m`.
-    fn new(tilt_deg: f64, foot_m: [f64; 2], length_m: f64) -> Self {
+    pub(super) fn new(tilt_deg: f64, foot_m: [f64; 2], length_m: f64) -> Self {
         let (sin, cos) = tilt_deg.to_radians().sin_cos();
         let thickness_m = 4.0 * DX_M;
         let end = |side: f64| {
@@ -70,7 +70,7 @@ impl Tilted {
     }
 
     /// The point at a distance in metres behind the middle of the face.
-    fn behind(&self, distance_m: f64) -> [f64; 2] {
+    pub(super) fn behind(&self, distance_m: f64) -> [f64; 2] {
         [0, 1].map(|axis| self.foot_m[axis] + distance_m * self.normal[axis])
     }
 }

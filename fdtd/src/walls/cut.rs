@@ -81,7 +81,6 @@ pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
         solid: &solid,
         near: &near,
         areas: &areas,
-        soft: &soft,
     };
     let mut partial = BTreeMap::new();
     for &cell in areas.keys() {
@@ -97,7 +96,7 @@ pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
             }
         }
     }
-    let loads = open.loads();
+    let loads = open.loads(grid, walls, &soft);
     WallCells::new(solid, partial).with_loads(loads)
 }
 

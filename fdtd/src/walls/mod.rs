@@ -3,11 +3,14 @@
 //! * `wall`: a wall as drawn;
 //! * `rasterize`: whole solid cells, a staircase where the wall is slanted;
 //! * `cut` (with `clip`): cells that keep the part that walls leave open;
-//! * `surface`: weights of faces, and walls of an impedance;
-//! * `openings`: what all of it gives to the field; [`operator`]: the field's rows near walls.
+//! * `surface`: weights of faces, and where walls of an impedance have their surface;
+//! * `openings`: what all of it gives to the field; [`operator`]: the field's rows near walls;
+//! * `load`: what surfaces of an impedance do to the field; `aperture`: through which cells.
 
+mod aperture;
 mod clip;
 mod cut;
+mod load;
 mod model;
 mod openings;
 pub mod operator;
@@ -16,6 +19,7 @@ mod surface;
 mod wall;
 
 pub use cut::cut;
+pub use load::Surface;
 pub use model::WallModel;
 pub use openings::{Load, Opening, WallCells};
 pub use rasterize::{SolidMask, cell_at, cell_centre_m, rasterize};

@@ -23,17 +23,23 @@ impl Opening {
     };
 }
 
-/// A cell's share of the surface of a wall that is not rigid.
+/// A piece of the surface of a wall that is not rigid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// Impedance of the surface in Pa s/m.
     pub impedance_pasm: f64,
-    /// Length of the surface in the cell, in cell widths.
+    /// Length of the piece, in cell widths.
     pub length: f64,
-    /// Open part of the cell's area.
-    pub area: f64,
-    /// Least mass of air before the surface that the spectrum allows, in cell widths.
-    pub least_mass: f64,
+    /// Column and row of the first cell before it that holds air.
+    pub cell: [usize; 2],
+    /// Axis of the grid nearest to the surface's normal: 0 is x, 1 is y.
+    pub axis: usize,
+    /// Way from the wall into the air along this axis, 1 or -1.
+    pub inward: isize,
+    /// Cosine of the angle between axis and normal.
+    pub slope: f64,
+    /// Part of the cell before the wall, along the axis through its middle.
+    pub open: f64,
 }
 
 /// The walls as cells: solid ones, and those of which a wall leaves a part.
@@ -44,8 +50,8 @@ pub struct WallCells {
     solid: SolidMask,
     /// By index `iy nx + ix`; a fluid cell that is not in here is full and has open faces to fluid cells.
     partial: BTreeMap<usize, Opening>,
-    /// Cells before surfaces that are not rigid, by index.
-    loads: BTreeMap<usize, Load>,
+    /// Surfaces that are not rigid, in the order of the cells in which they lie.
+    loads: Vec<Load>,
 }
 
 impl WallCells {
@@ -55,18 +61,18 @@ impl WallCells {
         Self {
             solid,
             partial,
-            loads: BTreeMap::new(),
+            loads: Vec::new(),
         }
     }
 
     /// The same with surfaces that are not rigid.
-    pub(super) fn with_loads(self, loads: BTreeMap<usize, Load>) -> Self {
+    pub(super) fn with_loads(self, loads: Vec<Load>) -> Self {
         Self { loads, ..self }
     }
 
-    /// The cells before surfaces that are not rigid, by index `iy nx + ix`, in order.
-    pub fn loads(&self) -> impl Iterator<Item = (usize, &Load)> {
-        self.loads.iter().map(|(&cell, load)| (cell, load))
+    /// The surfaces that are not rigid, in the order of the cells in which they lie.
+    pub fn loads(&self) -> &[Load] {
+        &self.loads
     }
 
     /// A grid without walls.
@@ -131,7 +137,7 @@ impl From<SolidMask> for WallCells {
         Self {
             solid,
             partial: BTreeMap::new(),
-            loads: BTreeMap::new(),
+            loads: Vec::new(),
         }
     }
 }

@@ -6,6 +6,7 @@
 //! are worked out once and stored as differences to the plain stencil. Solid cells hold zero pressure, so the plain
 //! stencil sees nothing beyond the wall; next to whole cells few entries per row differ.
 
+use super::load::{Surface, surfaces};
 use super::{Opening, SolidMask, WallCells};
 use crate::scheme::{Polynomial, Weights};
 
@@ -23,35 +24,6 @@ pub struct Correction {
     pub entries: Vec<(isize, usize, f32)>,
 }
 
-/// A cell before a surface that is not rigid: its velocity `v` into the surface (times `rho c`, in Pa) follows the pressure, and takes from it.
-///
-/// The surface of impedance Z, with a little mass of air m before it, obeys `m dv/dt + Z v = p`; in steps, with z = Z/(rho c),
-/// `(m/chi)(v+ - v-) + z (v+ + v-)/2 = p` half a step before and after the pressure, which loses `chi (l/V)(v+ - v-)`. Energy goes into the
-/// mass and comes back, and into Z and does not: passive for every Z. The mass is what lies between a cell's middle and
-/// the wall; without it the reflection factor would be that of a wall half a cell nearer with a rigid one behind it. Its value
-/// is one half, and what the evanescent waves of a wide stencil add ([`crate::scheme::Polynomial::surface_mass`]).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Surface {
-    /// Column of the cell.
-    pub ix: usize,
-    /// What is left of the velocity from step to step.
-    pub decay: f32,
-    /// What a pressure gives to the velocity.
-    pub drive: f32,
-    /// What the velocity's change takes from the pressure.
-    pub gain: f32,
-    /// Place of the velocity in the field's memory.
-    pub memory: usize,
-}
-
-impl Surface {
-    /// Velocity after, from velocity and pressure before.
-    #[inline(always)]
-    pub fn velocity(&self, before: f32, pressure: f32) -> f32 {
-        self.decay.mul_add(before, self.drive * pressure)
-    }
-}
-
 /// Corrections and solid cells of every row of the grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct WallOperator {
@@ -59,7 +31,7 @@ pub struct WallOperator {
     pub corrections: Vec<Vec<Correction>>,
     /// Columns of the solid cells by row, in increasing order.
     pub solid: Vec<Vec<usize>>,
-    /// Surfaces that are not rigid by row, in order of increasing column.
+    /// Surfaces that are not rigid by row of the cells that they take their flow from.
     pub surfaces: Vec<Vec<Surface>>,
 }
 
@@ -215,33 +187,21 @@ impl WallOperator {
         operator
     }
 
-    /// With the surfaces of `walls` that are not rigid, for the Courant number of `polynomial` and the characteristic impedance `rho c`
+    /// With the surfaces of `walls` that are not rigid, for a stencil of `radius`, the Courant number of `polynomial` and the characteristic impedance `rho c`
     /// of the air in Pa s/m.
     #[must_use]
     pub fn with_surfaces(
         mut self,
         walls: &WallCells,
         polynomial: &Polynomial,
+        radius: usize,
         characteristic_pasm: f64,
     ) -> Self {
-        let nx = walls.size()[0];
-        let courant = polynomial.courant;
-        let usual = polynomial.surface_mass();
-        for (memory, (cell, load)) in walls.loads().enumerate() {
-            let mass = usual.max(load.least_mass) / courant;
-            let half = 0.5 * load.impedance_pasm / characteristic_pasm;
-            self.surfaces[cell / nx].push(Surface {
-                ix: cell % nx,
-                decay: ((mass - half) / (mass + half)) as f32,
-                drive: (1.0 / (mass + half)) as f32,
-                gain: (courant * load.length / load.area) as f32,
-                memory,
-            });
-        }
+        self.surfaces = surfaces(walls, polynomial, radius, characteristic_pasm);
         self
     }
 
-    /// Number of surfaces that are not rigid.
+    /// Number of velocities into surfaces that the field keeps.
     pub fn surface_count(&self) -> usize {
         self.surfaces.iter().map(Vec::len).sum()
     }

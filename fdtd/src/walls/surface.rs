@@ -10,8 +10,6 @@ pub(super) struct Openings<'a> {
     pub(super) solid: &'a SolidMask,
     pub(super) near: &'a BTreeMap<usize, Vec<&'a Convex>>,
     pub(super) areas: &'a BTreeMap<usize, f64>,
-    /// Impedance in Pa s/m of the wall that a cell lies before, or in.
-    pub(super) soft: &'a BTreeMap<usize, f64>,
 }
 
 impl Openings<'_> {
@@ -51,17 +49,7 @@ impl Openings<'_> {
     fn share(&self, axis: usize, side: usize, ix: isize, iy: isize) -> f64 {
         let next = [(ix + 1, iy), (ix, iy + 1)][axis];
         let faces = [self.face(axis, ix, iy), self.face(axis, next.0, next.1)];
-        let soft = self
-            .solid
-            .index(ix, iy)
-            .is_some_and(|cell| self.soft.contains_key(&cell));
-        // A surface that gives way takes the share of the part that it closes.
-        let all = if soft {
-            2.0 * faces[0].max(faces[1])
-        } else {
-            faces[0] + faces[1]
-        };
-        4.0 * self.area(ix, iy) * faces[side] / all
+        4.0 * self.area(ix, iy) * faces[side] / (faces[0] + faces[1])
     }
 
     /// Weight of the face of a cell to its neighbour at lower x (`axis` 0) or y (1).
@@ -76,63 +64,92 @@ impl Openings<'_> {
         face.min(here * there / (here + there))
     }
 
-    /// The surfaces of the soft cells.
-    pub(super) fn loads(&self) -> BTreeMap<usize, Load> {
-        let load = |(&cell, &impedance_pasm): (&usize, &f64)| {
+    /// The surfaces of the soft cells, which `soft` gives with their walls.
+    pub(super) fn loads(
+        &self,
+        grid: &Grid,
+        walls: &[Wall],
+        soft: &BTreeMap<usize, usize>,
+    ) -> Vec<Load> {
+        let load = |(&cell, &index): (&usize, &usize)| {
+            let wall = &walls[index];
             let (ix, iy) = (
                 (cell % self.solid.nx) as isize,
                 (cell / self.solid.nx) as isize,
             );
-            let area = self.area(ix, iy);
-            let (mut length, mut given) = (0.0_f64, 0.0);
-            for axis in 0..2 {
+            // Closed parts, positive where the wall is on the side of higher coordinates: the surface's length times its normal.
+            let mut closed = [0.0_f64; 2];
+            for (axis, closed) in closed.iter_mut().enumerate() {
                 let next = [(ix + 1, iy), (ix, iy + 1)][axis];
-                let faces = [self.face(axis, ix, iy), self.face(axis, next.0, next.1)];
-                let closed = (faces[1] - faces[0]).abs();
-                let beyond = match (axis, faces[0] < faces[1]) {
-                    (0, true) => (ix - 1, iy),
-                    (0, false) => (ix + 1, iy),
-                    (_, true) => (ix, iy - 1),
-                    (_, false) => (ix, iy + 1),
-                };
+                let part = self.face(axis, ix, iy) - self.face(axis, next.0, next.1);
+                let step = if part > 0.0 { 1 } else { -1 };
+                let beyond = [(ix + step, iy), (ix, iy + step)][axis];
                 let rigid = self
                     .solid
                     .index(beyond.0, beyond.1)
-                    .is_some_and(|cell| self.solid.cells[cell] && !self.soft.contains_key(&cell));
-                if closed > 0.0 && !rigid {
-                    length = length.hypot(closed);
-                    given += 2.0 * area * closed / faces[0].max(faces[1]);
+                    .is_some_and(|cell| self.solid.cells[cell] && !soft.contains_key(&cell));
+                if !rigid {
+                    *closed = part;
                 }
             }
-            (length > 0.0).then(|| {
-                let load = Load {
-                    impedance_pasm,
-                    length,
-                    area,
-                    least_mass: length / given,
-                };
-                (cell, load)
+            let length = closed[0].hypot(closed[1]);
+            if length == 0.0 || wall.impedance_pasm.is_none() {
+                return None;
+            }
+            let axis = usize::from(closed[1].abs() > closed[0].abs());
+            let slope = closed[axis].abs() / length;
+            let inward = if closed[axis] > 0.0 { -1 } else { 1 };
+            let mut place = [ix, iy];
+            let mut open = 1.0;
+            if self.near.contains_key(&cell) {
+                let centre_m = [ix, iy].map(|at| (at as f64 + 0.5) * grid.dx_m);
+                open = 0.5 + wall.distance_m(centre_m) / (grid.dx_m * slope);
+                // The cell that holds the wall where the line through the cells' middles meets it.
+                while open > 1.0 {
+                    let mut outward = place;
+                    outward[axis] -= inward;
+                    if self.area(outward[0], outward[1]) == 0.0 {
+                        break;
+                    }
+                    (place, open) = (outward, open - 1.0);
+                }
+                if open <= 0.0 {
+                    place[axis] += inward;
+                    open += 1.0;
+                }
+            }
+            let inside = self.area(place[0], place[1]) > 0.0
+                && self.solid.index(place[0], place[1]).is_some();
+            let place = if inside { place } else { [ix, iy] };
+            Some(Load {
+                impedance_pasm: wall.impedance_pasm?,
+                length,
+                cell: place.map(|at| at as usize),
+                axis,
+                inward,
+                slope,
+                open: open.clamp(0.0, 1.0),
             })
         };
-        self.soft.iter().filter_map(load).collect()
+        soft.iter().filter_map(load).collect()
     }
 }
 
-/// Cells in and before walls that are not rigid, and those walls' impedances, from the walls that take cells or parts of them.
+/// Cells in and before walls that are not rigid, and those walls' places in the list, from the walls that take cells or parts of them.
 pub(super) fn soft_cells(
     walls: &[Wall],
     owners: &BTreeMap<usize, usize>,
     solid: &SolidMask,
-) -> BTreeMap<usize, f64> {
+) -> BTreeMap<usize, usize> {
     let mut soft = BTreeMap::new();
     if walls.iter().all(|wall| wall.impedance_pasm.is_none()) {
         return soft;
     }
     for (&cell, &wall) in owners {
-        let Some(impedance_pasm) = walls[wall].impedance_pasm else {
+        if walls[wall].impedance_pasm.is_none() {
             continue;
-        };
-        soft.insert(cell, impedance_pasm);
+        }
+        soft.insert(cell, wall);
         if !solid.cells[cell] {
             continue;
         }
@@ -147,7 +164,7 @@ pub(super) fn soft_cells(
             let beside = y.wrapping_mul(solid.nx).wrapping_add(x);
             let free = x < solid.nx && y < solid.ny && !solid.cells[beside];
             if free && !owners.contains_key(&beside) {
-                soft.insert(beside, impedance_pasm);
+                soft.insert(beside, wall);
             }
         }
     }
@@ -169,8 +186,7 @@ pub(super) fn staircase(grid: &Grid, walls: &[Wall]) -> WallCells {
         solid: &solid,
         near: &BTreeMap::new(),
         areas: &BTreeMap::new(),
-        soft: &soft,
     };
-    let loads = open.loads();
+    let loads = open.loads(grid, walls, &soft);
     WallCells::from(solid).with_loads(loads)
 }

@@ -54,6 +54,26 @@ impl Wall {
             || self.joints_m().any(|joint_m| self.joins(point_m, joint_m))
     }
 
+    /// Distance in metres of a point from the wall's surface, negative within the wall.
+    pub(super) fn distance_m(&self, point_m: [f64; 2]) -> f64 {
+        let half_m = 0.5 * self.thickness_m;
+        let segments = self.segments_m().map(|[from, to]| {
+            let length = distance(from, to).max(f64::MIN_POSITIVE);
+            let along = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
+            let offset = [
+                point_m[0] - 0.5 * (from[0] + to[0]),
+                point_m[1] - 0.5 * (from[1] + to[1]),
+            ];
+            let forward = (offset[0] * along[0] + offset[1] * along[1]).abs() - 0.5 * length;
+            let sideways = (offset[1] * along[0] - offset[0] * along[1]).abs() - half_m;
+            forward.max(0.0).hypot(sideways.max(0.0)) + forward.max(sideways).min(0.0)
+        });
+        let joints = self
+            .joints_m()
+            .map(|joint_m| distance(point_m, joint_m) - half_m);
+        segments.chain(joints).fold(f64::INFINITY, f64::min)
+    }
+
     /// Whether a point in metres is in the rectangle around one segment.
     pub(super) fn beside(&self, point_m: [f64; 2], segment_m: [[f64; 2]; 2]) -> bool {
         in_rectangle(point_m, segment_m, 0.5 * self.thickness_m)

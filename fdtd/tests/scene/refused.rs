@@ -88,6 +88,21 @@ fn the_parser_names_the_field_and_the_place() {
 }
 
 #[test]
+fn the_5_point_scheme_at_its_limit_leaves_nothing_to_walls_of_an_impedance() {
+    let mut scene = with("/grid/dt_s", json!(1.03e-5));
+    scene["scheme"] = json!("slf");
+    read(&scene).unwrap();
+    scene["walls"][0]["impedance_pasm"] = json!(900.0);
+    let message = refusal(&scene);
+    assert!(
+        message.contains("grid.dt_s: 1.03e-5 s is too near") && message.contains("walls[0]"),
+        "{message}"
+    );
+    scene["grid"]["dt_s"] = json!(9.7e-6);
+    read(&scene).unwrap();
+}
+
+#[test]
 fn steps_and_bands_beyond_the_limits_are_refused_with_the_limit() {
     let message = refusal(&with("/grid/dt_s", json!(1e-5)));
     assert!(

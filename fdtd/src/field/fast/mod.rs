@@ -26,7 +26,6 @@ use self::team::Team;
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows};
 use crate::pml::Profile;
 use crate::spread::TAPS;
-use crate::walls::operator::Surface;
 
 /// Steps per time block, times the stencil's radius: the rows in flight of all steps (about `2 BLOCK` rows, 350 KiB at
 /// 1000 columns) stay in the second-level cache. From 16 to 64 the speed is the same on one thread within a few per cent.
@@ -37,8 +36,18 @@ const BLOCK: usize = 32;
 struct RowWalls {
     corrections: Vec<RowCorrection>,
     solid: Vec<u32>,
-    /// Offset in the row, and the surface.
-    surfaces: Vec<(u32, Surface)>,
+    surfaces: Vec<RowSurface>,
+}
+
+/// A surface that is not rigid, as [`crate::walls::Surface`] has it.
+#[derive(Debug)]
+struct RowSurface {
+    /// `(offset from the row's start, weight)`.
+    taps: Vec<(i32, f32)>,
+    /// `(offset in the row, gain)`.
+    gains: Vec<(u32, f32)>,
+    decay: f32,
+    memory: usize,
 }
 
 /// One corrected cell: its offset in the row, and its entries in [`Plan::entries`].
@@ -212,7 +221,22 @@ impl Plan {
             .map(|((corrections, solid), surfaces)| RowWalls {
                 surfaces: surfaces
                     .iter()
-                    .map(|surface| (layout.offset(surface.ix) as u32, *surface))
+                    .map(|surface| RowSurface {
+                        taps: surface
+                            .taps
+                            .iter()
+                            .map(|&(dy, ix, weight)| {
+                                ((dy * stride + layout.offset(ix) as isize) as i32, weight)
+                            })
+                            .collect(),
+                        gains: surface
+                            .gains
+                            .iter()
+                            .map(|&(ix, gain)| (layout.offset(ix) as u32, gain))
+                            .collect(),
+                        decay: surface.decay,
+                        memory: surface.memory,
+                    })
                     .collect(),
                 corrections: corrections
                     .iter()

@@ -291,13 +291,18 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                 }
                 next[correction.at as usize] += sum;
             }
-            for (offset, surface) in &walls.surfaces {
+            for surface in &walls.surfaces {
                 let velocity = shared.surfaces.add(surface.memory);
                 let before = *velocity;
-                let after = surface.velocity(before, *levels.now.add(at + *offset as usize));
+                let mut after = surface.decay * before;
+                for &(offset, weight) in &surface.taps {
+                    after = weight.mul_add(*levels.now.offset(at as isize + offset as isize), after);
+                }
                 *velocity = after;
-                let p = &mut next[*offset as usize];
-                *p = surface.gain.mul_add(before - after, *p);
+                for &(offset, gain) in &surface.gains {
+                    let p = &mut next[offset as usize];
+                    *p = gain.mul_add(before - after, *p);
+                }
             }
             for &solid in &walls.solid {
                 next[solid as usize] = 0.0;

@@ -296,7 +296,8 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                 let before = *velocity;
                 let mut after = surface.decay * before;
                 for &(offset, weight) in &surface.taps {
-                    after = weight.mul_add(*levels.now.offset(at as isize + offset as isize), after);
+                    after =
+                        weight.mul_add(*levels.now.offset(at as isize + offset as isize), after);
                 }
                 *velocity = after;
                 for &(offset, gain) in &surface.gains {

@@ -14,6 +14,7 @@ use crate::Error;
 use crate::field::{Field, FieldState};
 use crate::scheme::Scheme;
 use crate::walls::{Wall, WallModel};
+use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{PI, TAU};
 
@@ -136,21 +137,29 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
         Depth::Quick => (&Scheme::ALL[2..3], &CASES[..2], &PLACES[..1]),
         Depth::Full => (&Scheme::ALL[..], &CASES[..], &PLACES[..]),
     };
-    let mut found = Vec::new();
+    let mut parts = Vec::new();
     for &scheme in schemes {
         for (frequency_hz, modes) in cases {
-            for &place in places {
-                let [error, ..] = largest(scheme, *frequency_hz, modes, place);
-                let khz = frequency_hz / 1e3;
-                let name = format!("{scheme}, {khz} kHz, {place} of a cell, worst over angle");
-                let quantity = "reflection factor, error";
-                found.push(if is_held(scheme, *frequency_hz) {
-                    Measurement::below(name, quantity, error, 0.02)
-                } else {
-                    Measurement::shown(name, quantity, error)
-                });
-            }
+            parts.extend(
+                places
+                    .iter()
+                    .map(|&place| (scheme, *frequency_hz, modes, place)),
+            );
         }
     }
+    let found = parts
+        .into_par_iter()
+        .map(|(scheme, frequency_hz, modes, place)| {
+            let [error, ..] = largest(scheme, frequency_hz, modes, place);
+            let khz = frequency_hz / 1e3;
+            let name = format!("{scheme}, {khz} kHz, {place} of a cell, worst over angle");
+            let quantity = "reflection factor, error";
+            if is_held(scheme, frequency_hz) {
+                Measurement::below(name, quantity, error, 0.02)
+            } else {
+                Measurement::shown(name, quantity, error)
+            }
+        })
+        .collect();
     Ok(found)
 }

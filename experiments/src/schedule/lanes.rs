@@ -58,7 +58,9 @@ pub(super) fn choose(jobs: &[(f64, &Job)], threads: usize, board: &Board) -> Res
 /// The lanes that end sooner, and when one and when two of them end, for simulations that take these `seconds` alone.
 fn faster(seconds: &[f64], rates: Rates) -> (Lanes, [f64; 2]) {
     let slower = rates.alone / rates.beside.max(1e-9);
-    let ends = [seconds.iter().sum(), makespan(seconds, 2) * slower];
+    // The lane that is left alone goes on with all threads.
+    let [first, last] = two_ends(seconds);
+    let ends = [seconds.iter().sum(), first * slower + (last - first)];
     let lanes = match ends[1] < ends[0] {
         true => Lanes { count: 2, slower },
         false => Lanes {
@@ -69,16 +71,16 @@ fn faster(seconds: &[f64], rates: Rates) -> (Lanes, [f64; 2]) {
     (lanes, ends)
 }
 
-/// Length of the fullest of some lanes when each takes the longest job left as soon as it is free.
-fn makespan(lengths: &[f64], lanes: usize) -> f64 {
+/// When two lanes end, each taking the longest job left as soon as it is free, the shorter first.
+fn two_ends(lengths: &[f64]) -> [f64; 2] {
     let mut sorted = lengths.to_vec();
     sorted.sort_by(|a, b| b.total_cmp(a));
-    let mut ends = vec![0.0_f64; lanes.max(1)];
+    let mut ends = [0.0_f64; 2];
     for length in sorted {
-        ends.sort_by(f64::total_cmp);
         ends[0] += length;
+        ends.sort_by(f64::total_cmp);
     }
-    ends.into_iter().fold(0.0, f64::max)
+    ends
 }
 
 /// Runs a job for a moment alone on all threads, then two of it at the same time on half of the threads each.
@@ -117,9 +119,9 @@ mod tests {
 
     #[test]
     fn lanes_take_the_longest_job_left() {
-        assert_eq!(makespan(&[3.0, 5.0, 4.0], 1), 12.0);
-        assert_eq!(makespan(&[3.0, 5.0, 4.0], 2), 7.0);
-        assert_eq!(makespan(&[], 2), 0.0);
+        assert_eq!(two_ends(&[3.0, 5.0, 4.0]), [5.0, 7.0]);
+        assert_eq!(two_ends(&[3.0]), [0.0, 3.0]);
+        assert_eq!(two_ends(&[]), [0.0, 0.0]);
     }
 
     #[test]
@@ -127,8 +129,8 @@ mod tests {
         let ends = |seconds: &[f64], alone, beside| faster(seconds, Rates { alone, beside });
         assert_eq!(ends(&[10.0, 10.0], 10.0, 6.0).0.count, 2);
         assert_eq!(ends(&[10.0, 10.0], 10.0, 4.0).0.count, 1);
-        // A short job leaves its lane idle while the long one runs on half of the threads.
-        assert_eq!(ends(&[10.0, 1.0], 10.0, 6.0).0.count, 1);
+        // A short job leaves its threads to the long one.
+        assert_eq!(ends(&[10.0, 1.0], 9.0, 6.0).1, [11.0, 10.5]);
         assert_eq!(ends(&[6.0, 6.0], 9.0, 6.0).1, [12.0, 9.0]);
     }
 }

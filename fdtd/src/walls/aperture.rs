@@ -1,7 +1,7 @@
 //! Which cells before a wall of an impedance take part in its reaction, and how much.
 //!
 //! A surface samples the pressure with weights e of three cells along the grid's axis that is nearest to its normal, and of the cells beside one of
-//! them along the wall, and takes its flow from the same cells with the same weights: that keeps it passive (see [`super::load`]). A plane wave in front of
+//! them along the wall, and takes its flow from the same cells with the same weights: that keeps it passive (see [`super::surface`]). A plane wave in front of
 //! an axis-parallel wall meets, on the grid, a reflection factor of
 //!
 //! `R = (z c - y + i X)/(z c + y + i X)`, `y = -chi s Im g`, `X = s m/chi + chi s Re g`, `g = e' (S - s^2)^-1 e`,

@@ -13,7 +13,7 @@
 //! No cell has to be merged with another, and the time step stays as it is.
 
 use super::clip::{Convex, Cover, open_area};
-use super::surface::{Openings, soft_cells};
+use super::faces::{Openings, soft_cells};
 use super::{Opening, SolidMask, Wall, WallCells};
 use crate::grid::Grid;
 use std::collections::BTreeMap;

@@ -3,14 +3,14 @@
 //! * `wall`: a wall as drawn;
 //! * `rasterize`: whole solid cells, a staircase where the wall is slanted;
 //! * `cut` (with `clip`): cells that keep the part that walls leave open;
-//! * `surface`: weights of faces, and where walls of an impedance have their surface;
+//! * `faces`: weights of faces, and where walls of an impedance have their surface;
 //! * `openings`: what all of it gives to the field; [`operator`]: the field's rows near walls;
-//! * `load`: what surfaces of an impedance do to the field; `aperture`: through which cells.
+//! * `surface`: what surfaces of an impedance do to the field; `aperture`: through which cells.
 
 mod aperture;
 mod clip;
 mod cut;
-mod load;
+mod faces;
 mod model;
 mod openings;
 pub mod operator;
@@ -19,8 +19,8 @@ mod surface;
 mod wall;
 
 pub use cut::cut;
-pub use load::Surface;
 pub use model::WallModel;
 pub use openings::{Load, Opening, WallCells};
 pub use rasterize::{SolidMask, cell_at, cell_centre_m, rasterize};
+pub use surface::Surface;
 pub use wall::Wall;

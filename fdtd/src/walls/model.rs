@@ -1,6 +1,6 @@
 //! How walls become cells.
 
-use super::surface::staircase;
+use super::faces::staircase;
 use super::{Wall, WallCells, cut};
 use crate::grid::Grid;
 use schemars::JsonSchema;

@@ -6,7 +6,7 @@
 //! are worked out once and stored as differences to the plain stencil. Solid cells hold zero pressure, so the plain
 //! stencil sees nothing beyond the wall; next to whole cells few entries per row differ.
 
-use super::load::{Surface, surfaces};
+use super::surface::{Surface, surfaces};
 use super::{Opening, SolidMask, WallCells};
 use crate::scheme::{Polynomial, Weights};
 

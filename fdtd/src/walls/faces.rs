@@ -1,0 +1,192 @@
+//! Open parts of faces, the weights that the spectrum leaves them, and the surfaces of walls that are not rigid.
+
+use super::clip::{Convex, open_face};
+use super::{Load, SolidMask, Wall, WallCells, rasterize};
+use crate::grid::Grid;
+use std::collections::BTreeMap;
+
+/// Open parts by geometry, and the weights that the spectrum leaves them.
+pub(super) struct Openings<'a> {
+    pub(super) solid: &'a SolidMask,
+    pub(super) near: &'a BTreeMap<usize, Vec<&'a Convex>>,
+    pub(super) areas: &'a BTreeMap<usize, f64>,
+}
+
+impl Openings<'_> {
+    pub(super) fn area(&self, ix: isize, iy: isize) -> f64 {
+        match self.solid.index(ix, iy) {
+            Some(cell) if self.solid.cells[cell] => 0.0,
+            Some(cell) => self.areas.get(&cell).copied().unwrap_or(1.0),
+            None => 1.0,
+        }
+    }
+
+    /// Open part of the face of a cell to its neighbour at lower x (`axis` 0) or y (1).
+    fn face(&self, axis: usize, ix: isize, iy: isize) -> f64 {
+        let other = [(ix - 1, iy), (ix, iy - 1)][axis];
+        if self.area(ix, iy) == 0.0 || self.area(other.0, other.1) == 0.0 {
+            return 0.0;
+        }
+        let (Some(here), Some(there)) =
+            (self.solid.index(ix, iy), self.solid.index(other.0, other.1))
+        else {
+            return 1.0;
+        };
+        let shapes: Vec<&Convex> = [here, there]
+            .iter()
+            .filter_map(|cell| self.near.get(cell))
+            .flatten()
+            .copied()
+            .collect();
+        if shapes.is_empty() {
+            return 1.0;
+        }
+        let place = [ix as f64, iy as f64];
+        open_face(&shapes, axis, place[axis], place[1 - axis])
+    }
+
+    /// What a cell gives to its face at lower (`side` 0) or higher (1) coordinate along an axis.
+    fn share(&self, axis: usize, side: usize, ix: isize, iy: isize) -> f64 {
+        let next = [(ix + 1, iy), (ix, iy + 1)][axis];
+        let faces = [self.face(axis, ix, iy), self.face(axis, next.0, next.1)];
+        4.0 * self.area(ix, iy) * faces[side] / (faces[0] + faces[1])
+    }
+
+    /// Weight of the face of a cell to its neighbour at lower x (`axis` 0) or y (1).
+    pub(super) fn weight(&self, axis: usize, ix: isize, iy: isize) -> f64 {
+        let face = self.face(axis, ix, iy);
+        if face == 0.0 {
+            return 0.0;
+        }
+        let other = [(ix - 1, iy), (ix, iy - 1)][axis];
+        let here = self.share(axis, 0, ix, iy);
+        let there = self.share(axis, 1, other.0, other.1);
+        face.min(here * there / (here + there))
+    }
+
+    /// The surfaces of the soft cells, which `soft` gives with their walls.
+    pub(super) fn loads(
+        &self,
+        grid: &Grid,
+        walls: &[Wall],
+        soft: &BTreeMap<usize, usize>,
+    ) -> Vec<Load> {
+        let load = |(&cell, &index): (&usize, &usize)| {
+            let wall = &walls[index];
+            let (ix, iy) = (
+                (cell % self.solid.nx) as isize,
+                (cell / self.solid.nx) as isize,
+            );
+            // Closed parts, positive where the wall is on the side of higher coordinates: the surface's length times its normal.
+            let mut closed = [0.0_f64; 2];
+            for (axis, closed) in closed.iter_mut().enumerate() {
+                let next = [(ix + 1, iy), (ix, iy + 1)][axis];
+                let part = self.face(axis, ix, iy) - self.face(axis, next.0, next.1);
+                let step = if part > 0.0 { 1 } else { -1 };
+                let beyond = [(ix + step, iy), (ix, iy + step)][axis];
+                let rigid = self
+                    .solid
+                    .index(beyond.0, beyond.1)
+                    .is_some_and(|cell| self.solid.cells[cell] && !soft.contains_key(&cell));
+                if !rigid {
+                    *closed = part;
+                }
+            }
+            let length = closed[0].hypot(closed[1]);
+            if length == 0.0 || wall.impedance_pasm.is_none() {
+                return None;
+            }
+            let axis = usize::from(closed[1].abs() > closed[0].abs());
+            let slope = closed[axis].abs() / length;
+            let inward = if closed[axis] > 0.0 { -1 } else { 1 };
+            let mut place = [ix, iy];
+            let mut open = 1.0;
+            if self.near.contains_key(&cell) {
+                let centre_m = [ix, iy].map(|at| (at as f64 + 0.5) * grid.dx_m);
+                open = 0.5 + wall.distance_m(centre_m) / (grid.dx_m * slope);
+                // The cell that holds the wall where the line through the cells' middles meets it.
+                while open > 1.0 {
+                    let mut outward = place;
+                    outward[axis] -= inward;
+                    if self.area(outward[0], outward[1]) == 0.0 {
+                        break;
+                    }
+                    (place, open) = (outward, open - 1.0);
+                }
+                if open <= 0.0 {
+                    place[axis] += inward;
+                    open += 1.0;
+                }
+            }
+            let inside = self.area(place[0], place[1]) > 0.0
+                && self.solid.index(place[0], place[1]).is_some();
+            let place = if inside { place } else { [ix, iy] };
+            Some(Load {
+                impedance_pasm: wall.impedance_pasm?,
+                length,
+                cell: place.map(|at| at as usize),
+                axis,
+                inward,
+                slope,
+                open: open.clamp(0.0, 1.0),
+            })
+        };
+        soft.iter().filter_map(load).collect()
+    }
+}
+
+/// Cells in and before walls that are not rigid, and those walls' places in the list, from the walls that take cells or parts of them.
+pub(super) fn soft_cells(
+    walls: &[Wall],
+    owners: &BTreeMap<usize, usize>,
+    solid: &SolidMask,
+) -> BTreeMap<usize, usize> {
+    let mut soft = BTreeMap::new();
+    if walls.iter().all(|wall| wall.impedance_pasm.is_none()) {
+        return soft;
+    }
+    for (&cell, &wall) in owners {
+        if walls[wall].impedance_pasm.is_none() {
+            continue;
+        }
+        soft.insert(cell, wall);
+        if !solid.cells[cell] {
+            continue;
+        }
+        let (ix, iy) = (cell % solid.nx, cell / solid.nx);
+        let around = [
+            (ix.wrapping_sub(1), iy),
+            (ix + 1, iy),
+            (ix, iy.wrapping_sub(1)),
+            (ix, iy + 1),
+        ];
+        for (x, y) in around {
+            let beside = y.wrapping_mul(solid.nx).wrapping_add(x);
+            let free = x < solid.nx && y < solid.ny && !solid.cells[beside];
+            if free && !owners.contains_key(&beside) {
+                soft.insert(beside, wall);
+            }
+        }
+    }
+    soft
+}
+
+/// Whole cells with the surfaces of walls that are not rigid.
+pub(super) fn staircase(grid: &Grid, walls: &[Wall]) -> WallCells {
+    let solid = rasterize(grid, walls);
+    let mut owners = BTreeMap::new();
+    if walls.iter().any(|wall| wall.impedance_pasm.is_some()) {
+        for (index, wall) in walls.iter().enumerate() {
+            let own = rasterize(grid, std::slice::from_ref(wall));
+            owners.extend(own.iter_solid().map(|(ix, iy)| (iy * grid.nx + ix, index)));
+        }
+    }
+    let soft = soft_cells(walls, &owners, &solid);
+    let open = Openings {
+        solid: &solid,
+        near: &BTreeMap::new(),
+        areas: &BTreeMap::new(),
+    };
+    let loads = open.loads(grid, walls, &soft);
+    WallCells::from(solid).with_loads(loads)
+}

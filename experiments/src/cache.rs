@@ -89,6 +89,9 @@ pub fn recording_key(scene: &Scene, take: &Take, engine_print: &str) -> Result<S
     key.text("engine print", engine_print);
     key.value("engine", &take.engine)?;
     key.value("free field", &take.free_field)?;
+    if take.whole_domain {
+        key.value("whole domain", &take.whole_domain)?;
+    }
     if take.stamped {
         key.value("stamped", &take.stamped)?;
     }

@@ -36,6 +36,9 @@ pub(crate) struct Arguments {
     /// Leave out the walls: the direct wave alone. Fast, for the field is only that around the robot.
     #[arg(long)]
     free_field: bool,
+    /// Simulate all of the scene's domain. Else the absorbing layer begins where walls and drive end; the air beyond them is not heard.
+    #[arg(long)]
+    whole_domain: bool,
     /// Simulate the drive without walls too and write it as direct.wav.
     #[arg(long, conflicts_with = "free_field")]
     with_direct: bool,
@@ -101,6 +104,7 @@ impl Arguments {
             spread: self.spread,
             wall_model: self.walls,
             free_field: self.free_field,
+            whole_domain: self.whole_domain,
             odometry_bias_radps: self.odometry_bias,
             ..Take::of(&self.path, self.engine)
         })

@@ -94,6 +94,7 @@ fn field_options(take: &Take, threads: usize) -> SimulationOptions {
         wall_model: take.wall_model,
         threads,
         free_field: take.free_field,
+        whole_domain: take.whole_domain,
         stamped: take.stamped,
         ..SimulationOptions::default()
     }

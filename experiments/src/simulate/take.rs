@@ -50,6 +50,9 @@ pub struct Take {
     pub wall_model: Option<WallModel>,
     /// Without walls: the direct wave alone.
     pub free_field: bool,
+    /// With the air beyond walls and drive, which is not heard; see [`fdtd::simulation::SimulationOptions`].
+    #[serde(skip)]
+    pub whole_domain: bool,
     /// Steady error of the odometry's turn rate, rad/s.
     pub odometry_bias_radps: f64,
 }
@@ -65,6 +68,7 @@ impl Take {
             stamped: false,
             wall_model: None,
             free_field: false,
+            whole_domain: false,
             odometry_bias_radps: ODOMETRY_BIAS_RADPS,
         }
     }

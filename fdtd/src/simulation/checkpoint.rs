@@ -7,6 +7,7 @@
 use std::io::Write;
 use std::path::Path;
 
+use super::pieces::Window;
 use super::{Domain, Simulation};
 use crate::Error;
 use crate::field::FieldState;
@@ -186,8 +187,9 @@ impl Simulation {
                 .sample(k as f64 / 64.0 * steps as f64 * grid.dt_s)
                 .map(f64::to_bits)
         }));
+        let whole = pieces.len() == 1 && pieces[0].window == Window::whole(&self.domain);
         let plan = match pieces.len() {
-            1 => String::new(),
+            _ if whole => String::new(),
             count => format!(" in {count} pieces {:016x}", digest(self.plan.numbers())),
         };
         format!(

@@ -1,4 +1,6 @@
 //! The domain of a run: the scene's, or an open one cropped to the drive.
+//!
+//! Absorbing layers stand for air without end, and it is the same wherever they begin: so air beyond walls and drive costs nothing.
 
 use super::SimulationOptions;
 use crate::Error;
@@ -8,7 +10,7 @@ use crate::scheme::Scheme;
 use crate::spread::Spread;
 use crate::walls::WallCells;
 
-/// Cells kept between a free-field drive and the absorbing layer.
+/// Cells kept between walls or a drive and the absorbing layer.
 const CLEARANCE_CELLS: usize = 12;
 
 /// A domain to simulate, in its parts: what [`Simulation::new`](super::Simulation::new) makes of a scene.
@@ -68,11 +70,7 @@ impl Domain {
         duration_s: f64,
         points: &dyn Fn(f64) -> [[f64; 2]; 2],
     ) -> [f64; 2] {
-        let mut extent = Extent::default();
-        let instants = (duration_s / 0.005).ceil().max(1.0);
-        for k in 0..=instants as usize {
-            extent.add(&self.grid, points(duration_s * k as f64 / instants));
-        }
+        let extent = Extent::of_drive(&self.grid, duration_s, points);
         let margin = self.margin_cells();
         let first = extent
             .low
@@ -91,7 +89,12 @@ impl Domain {
 
     /// Cells between a free-field drive and the edge: kernel, clearance and layer.
     pub(super) fn margin_cells(&self) -> usize {
-        self.layer_cells.next_multiple_of(8) + CLEARANCE_CELLS + self.spread.reach_cells()
+        self.wall_margin_cells() + self.spread.reach_cells()
+    }
+
+    /// Cells between walls and the edge: clearance and layer.
+    pub(super) fn wall_margin_cells(&self) -> usize {
+        self.layer_cells.next_multiple_of(8) + CLEARANCE_CELLS
     }
 }
 
@@ -113,6 +116,20 @@ impl Default for Extent {
 }
 
 impl Extent {
+    /// That of a drive through `points` (metres) at a time in seconds.
+    pub(super) fn of_drive(
+        grid: &Grid,
+        duration_s: f64,
+        points: &dyn Fn(f64) -> [[f64; 2]; 2],
+    ) -> Self {
+        let mut extent = Self::default();
+        let instants = (duration_s / 0.005).ceil().max(1.0);
+        for k in 0..=instants as usize {
+            extent.add(grid, points(duration_s * k as f64 / instants));
+        }
+        extent
+    }
+
     /// Grows to hold points in metres.
     pub(super) fn add(&mut self, grid: &Grid, points_m: [[f64; 2]; 2]) {
         for point in points_m.map(|point| grid.to_cells(point)) {

@@ -119,10 +119,10 @@ impl Simulation {
             band_hz: scene.waveform.band_hz[1],
         };
         Self::build(domain, drive, &listening, options, |domain, steps| {
-            if options.free_field && !options.undivided {
-                Plan::cheapest(domain, steps, &|t| points(t).map(shift))
-            } else {
-                Plan::whole(domain, steps)
+            match (options.whole_domain, options.free_field) {
+                (true, _) => Plan::whole(domain, steps),
+                (false, true) => Plan::cheapest(domain, steps, &|t| points(t).map(shift)),
+                (false, false) => Plan::cropped(domain, steps, duration_s, &points),
             }
         })
     }

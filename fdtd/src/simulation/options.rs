@@ -17,8 +17,9 @@ pub struct SimulationOptions {
     pub threads: usize,
     /// Without walls, in pieces of time whose domains are cropped to where the drive is then.
     pub free_field: bool,
-    /// A free field in one piece, cropped to the whole drive: what the pieces are measured against.
-    pub undivided: bool,
+    /// All of the scene's domain, air beyond the walls and the drive too; for a free field, one piece around the whole drive. What cropped domains
+    /// and pieces are measured against.
+    pub whole_domain: bool,
     /// Source strength times the time since the middle of the drive, which tells travel times ([`crate::medium::absorbed`]).
     pub stamped: bool,
     /// Use the plain engine, the oracle of the fast one.

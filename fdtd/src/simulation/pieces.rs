@@ -1,4 +1,5 @@
-//! A free-field drive in pieces of time, each in a small domain around where the drive is then.
+//! What of the domain is simulated: all that walls and drive take, or, of a free-field drive, pieces of time, each in a small domain around where
+//! the drive is then.
 //!
 //! Without walls nothing comes back: what the microphone hears now left the loudspeaker a moment ago, and cells far from both
 //! cannot matter. Each piece starts from silence some time before it is listened to. In this warm-up the source rises from zero
@@ -65,11 +66,21 @@ pub(super) struct Plan {
 impl Plan {
     /// `steps` steps in the whole domain.
     pub(super) fn whole(domain: &Domain, steps: u64) -> Self {
-        let window = Window {
-            first: [0; 2],
-            nx: domain.grid.nx,
-            ny: domain.grid.ny,
-        };
+        Self::in_window(Window::whole(domain), steps)
+    }
+
+    /// `steps` steps in what walls and drive take of the domain, with room for the layer.
+    pub(super) fn cropped(
+        domain: &Domain,
+        steps: u64,
+        duration_s: f64,
+        points: &dyn Fn(f64) -> [[f64; 2]; 2],
+    ) -> Self {
+        let drive = Extent::of_drive(&domain.grid, duration_s, points);
+        Self::in_window(Window::within(domain, &drive), steps)
+    }
+
+    fn in_window(window: Window, steps: u64) -> Self {
         Self {
             pieces: vec![Piece {
                 window,
@@ -143,13 +154,19 @@ impl Plan {
     /// # Panics
     /// As [`FieldSetup::new`].
     pub(super) fn setup(&self, domain: &Domain, piece: usize) -> FieldSetup {
-        let Window { nx, ny, .. } = self.pieces[piece].window;
-        let open;
-        let walls = if self.pieces.len() == 1 {
+        let window = self.pieces[piece].window;
+        let Window { nx, ny, .. } = window;
+        let part;
+        let walls = if window == Window::whole(domain) {
             &domain.walls
+        } else if self.pieces.len() == 1 {
+            part = domain
+                .walls
+                .window(window.first.map(|cells| cells as usize), [nx, ny]);
+            &part
         } else {
-            open = WallCells::open(nx, ny);
-            &open
+            part = WallCells::open(nx, ny);
+            &part
         };
         let grid = Grid {
             nx,
@@ -192,6 +209,39 @@ impl Plan {
 }
 
 impl Window {
+    /// All of the domain.
+    pub(super) fn whole(domain: &Domain) -> Self {
+        Self {
+            first: [0; 2],
+            nx: domain.grid.nx,
+            ny: domain.grid.ny,
+        }
+    }
+
+    /// What the walls and a drive take of the domain, with clearance and layer; never more than the domain.
+    fn within(domain: &Domain, drive: &Extent) -> Self {
+        let whole = Self::whole(domain);
+        let mut first = drive
+            .low
+            .map(|x| x.floor() as i64 - domain.margin_cells() as i64);
+        let mut end = drive
+            .high
+            .map(|x| x.ceil() as i64 + domain.margin_cells() as i64);
+        if let Some([low, high]) = domain.walls.extent() {
+            for axis in 0..2 {
+                let margin = domain.wall_margin_cells() as i64;
+                first[axis] = first[axis].min(low[axis] as i64 - margin);
+                end[axis] = end[axis].max(high[axis] as i64 + 1 + margin);
+            }
+        }
+        let first = first.map(|cell| cell.max(0));
+        let [nx, ny] = [(0, whole.nx), (1, whole.ny)]
+            .map(|(axis, cells)| (end[axis].min(cells as i64) - first[axis]) as usize);
+        // Whole vectors make full use of the engine.
+        let nx = nx.next_multiple_of(8).min(whole.nx - first[0] as usize);
+        Self { first, nx, ny }
+    }
+
     /// The window around a drive's extent, with its clearance and layer.
     pub(super) fn around(extent: &Extent, domain: &Domain) -> Self {
         let margin = domain.margin_cells() as i64;

@@ -80,6 +80,55 @@ impl WallCells {
         SolidMask::open(nx, ny).into()
     }
 
+    /// Lowest and highest column and row that walls touch; `None` without walls.
+    pub fn extent(&self) -> Option<[[usize; 2]; 2]> {
+        let nx = self.solid.nx;
+        let partial = self.partial.keys().map(|cell| (cell % nx, cell / nx));
+        let touched = self.solid.iter_solid().chain(partial);
+        touched.fold(None, |extent, (ix, iy)| {
+            let [low, high] = extent.unwrap_or([[ix, iy]; 2]);
+            Some([
+                [low[0].min(ix), low[1].min(iy)],
+                [high[0].max(ix), high[1].max(iy)],
+            ])
+        })
+    }
+
+    /// The walls in a part of the grid that begins at column and row `first`.
+    ///
+    /// # Panics
+    /// When the part reaches beyond the grid or leaves out a piece of a wall.
+    pub fn window(&self, first: [usize; 2], [nx, ny]: [usize; 2]) -> Self {
+        let [x, y] = first;
+        assert!(
+            x + nx <= self.solid.nx && y + ny <= self.solid.ny,
+            "a part of the grid"
+        );
+        let holds = |[ix, iy]: [usize; 2]| (x..x + nx).contains(&ix) && (y..y + ny).contains(&iy);
+        if let Some(ends) = self.extent() {
+            assert!(ends.into_iter().all(holds), "all walls are in the part");
+        }
+        let mut solid = SolidMask::open(nx, ny);
+        for (row, cells) in solid.cells.chunks_exact_mut(nx).enumerate() {
+            let begin = (y + row) * self.solid.nx + x;
+            cells.copy_from_slice(&self.solid.cells[begin..begin + nx]);
+        }
+        let moved = |cell: usize| (cell / self.solid.nx - y) * nx + cell % self.solid.nx - x;
+        let partial = self
+            .partial
+            .iter()
+            .map(|(&cell, &opening)| (moved(cell), opening));
+        let loads = self.loads.iter().map(|load| Load {
+            cell: [load.cell[0] - x, load.cell[1] - y],
+            ..*load
+        });
+        Self {
+            solid,
+            partial: partial.collect(),
+            loads: loads.collect(),
+        }
+    }
+
     /// Cells along x and y.
     pub fn size(&self) -> [usize; 2] {
         [self.solid.nx, self.solid.ny]

@@ -77,7 +77,7 @@ fn simulation(scene: &Scene, options: SimulationOptions) -> Simulation {
 
 fn undivided() -> SimulationOptions {
     SimulationOptions {
-        undivided: true,
+        whole_domain: true,
         ..SimulationOptions::default()
     }
 }

@@ -9,6 +9,7 @@ mod absorption;
 mod box_modes;
 mod coincident_pair;
 mod corner;
+mod cropped_domain;
 mod determinism;
 mod dispersion;
 mod doppler;

@@ -38,7 +38,7 @@ fn echoes_and_map(parameters: &Parameters, bank: &DopplerBank) -> Option<(EchoBl
         t_s: 0.0,
         odometry,
         stationary: false,
-        mean_intensity: vec![0.0; intensity.ncols()],
+        toa_intensity: vec![0.0; intensity.ncols()],
         intensity,
     };
     let sequence = EchoSequence {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::direct_wave::{self, DirectWaveEstimate};
 use crate::doppler::DopplerBank;
 use crate::error::Error;
-use crate::parameters::{DirectWave, Method, Parameters};
+use crate::parameters::{DirectWave, Method, Parameters, ToaImage};
 use crate::pose::{Odometry, Pose};
 use crate::receiver::{mean_odometry, remove_direct};
 use crate::recording::Recording;
@@ -25,8 +25,8 @@ pub struct EchoBlock {
     pub stationary: bool,
     /// H of eqs. (1)-(3): `[direction, delay in samples]`, 1 for an echo of amplitude 1.
     pub intensity: Array2<f32>,
-    /// Mean of `intensity` over the directions, for the range-only method.
-    pub mean_intensity: Vec<f32>,
+    /// What stands for all directions of `intensity` in the range-only method, see [`ToaImage`].
+    pub toa_intensity: Vec<f32>,
 }
 
 /// The echoes of one recording.
@@ -49,7 +49,7 @@ impl EchoBlock {
             t_s: 0.0,
             odometry: Odometry::default(),
             stationary: true,
-            mean_intensity: vec![0.0; intensity.ncols()],
+            toa_intensity: vec![0.0; intensity.ncols()],
             intensity,
         }
     }
@@ -67,13 +67,16 @@ impl EchoBlock {
         self.stationary = self.odometry.v_mps.abs() < parameters.min_speed_mps;
     }
 
-    /// Averages the measured intensity over the directions.
-    pub(crate) fn set_mean(&mut self) {
-        self.mean_intensity.fill(0.0);
+    /// Gathers the measured intensity of all directions.
+    pub(crate) fn set_toa(&mut self, image: ToaImage) {
+        self.toa_intensity.fill(0.0);
         let scale = 1.0 / self.intensity.nrows() as f32;
         for row in self.intensity.rows() {
-            for (mean, value) in self.mean_intensity.iter_mut().zip(row) {
-                *mean += scale * value;
+            for (toa, value) in self.toa_intensity.iter_mut().zip(row) {
+                match image {
+                    ToaImage::Mean => *toa += scale * value,
+                    ToaImage::Strongest => *toa = toa.max(*value),
+                }
             }
         }
     }
@@ -81,7 +84,7 @@ impl EchoBlock {
     /// What a method sees of the block: all directions, or one row that stands for all.
     pub fn polar(&self, method: Method) -> ArrayView2<'_, f32> {
         match method {
-            Method::ToaOnly => aview1(&self.mean_intensity).insert_axis(ndarray::Axis(0)),
+            Method::ToaOnly => aview1(&self.toa_intensity).insert_axis(ndarray::Axis(0)),
             Method::Doppler | Method::Odometry => self.intensity.view(),
         }
     }
@@ -115,7 +118,7 @@ pub fn measure(recording: &Recording, parameters: &Parameters) -> Result<EchoSeq
             let mut block = EchoBlock::empty(bank);
             block.set_motion(parameters, index, odometry);
             bank.measure(samples, block.odometry.v_mps, scratch, &mut block.intensity);
-            block.set_mean();
+            block.set_toa(parameters.toa_image);
             block
         },
     )?;
@@ -201,4 +204,27 @@ fn direct_periods(signal: &[f32], parameters: &Parameters, count: usize) -> Vec<
         }
     }
     directs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_only_image_is_the_mean_or_the_strongest_of_the_directions() {
+        let parameters = Parameters {
+            directions: 3,
+            ..Parameters::default()
+        };
+        let bank = DopplerBank::new(&parameters).expect("valid parameters");
+        let mut block = EchoBlock::empty(&bank);
+        for (direction, value) in [1.0, 3.0, 0.0, 4.0].into_iter().enumerate() {
+            block.intensity[[direction, 7]] = value;
+        }
+        block.set_toa(ToaImage::Strongest);
+        assert_eq!(block.toa_intensity[7], 4.0);
+        block.set_toa(ToaImage::Mean);
+        assert_eq!(block.toa_intensity[7], 2.0);
+        assert_eq!(block.toa_intensity[8], 0.0);
+    }
 }

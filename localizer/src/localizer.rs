@@ -81,7 +81,7 @@ impl Localizer {
             &mut self.scratch,
             &mut self.block.intensity,
         );
-        self.block.set_mean();
+        self.block.set_toa(self.parameters.toa_image);
         // Eqs. (8)-(18): move the particles, weigh them by the map, take their mean, draw the next ones.
         Ok(Some(self.tracker.update(&self.block, recent, &self.map)))
     }

@@ -246,10 +246,10 @@ mod tests {
             t_s: 0.0,
             odometry: Odometry::default(),
             stationary,
-            mean_intensity: vec![0.0; parameters.delays()],
+            toa_intensity: vec![0.0; parameters.delays()],
             intensity,
         };
-        block.set_mean();
+        block.set_toa(parameters.toa_image);
         EchoSequence {
             parameters: parameters.clone(),
             blocks: vec![block],

@@ -64,6 +64,28 @@ pub enum Integration {
     Euler,
 }
 
+/// What stands for all directions in the range-only method.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToaImage {
+    /// The mean over the directions.
+    #[default]
+    Mean,
+    /// The strongest direction at every delay.
+    Strongest,
+}
+
+/// How the next particles are drawn by their weights.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Resampling {
+    /// By one comb over the cumulated weights, which adds the least chance.
+    #[default]
+    Systematic,
+    /// Each by itself.
+    Multinomial,
+}
+
 /// Parameters of the method. `Default` is Table I of the paper, plus our choice wherever the paper leaves one open.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -117,6 +139,10 @@ pub struct Parameters {
     pub integration: Integration,
     /// Weights are the mutual information to this power; 1 is eq. (17).
     pub likelihood_exponent: f64,
+    /// What stands for all directions in the range-only method.
+    pub toa_image: ToaImage,
+    /// How the next particles are drawn by their weights.
+    pub resampling: Resampling,
     /// Resample when the effective sample size is at most this fraction of N_s; 1 is always.
     pub resample_threshold: f64,
     /// Standard deviation of the first particles' coordinates in metres; 0 is a known start.
@@ -155,6 +181,8 @@ impl Default for Parameters {
             motion_model: MotionModel::default(),
             integration: Integration::default(),
             likelihood_exponent: 1.0,
+            toa_image: ToaImage::default(),
+            resampling: Resampling::default(),
             resample_threshold: 1.0,
             start_sigma_m: 0.0,
             start_sigma_rad: 0.0,

@@ -8,10 +8,10 @@ use rand_distr::StandardNormal;
 use crate::dead_reckoning::advance;
 use crate::map_image::MapImage;
 use crate::matcher::Matcher;
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, Resampling};
 use crate::pose::{Odometry, Pose, wrap_angle};
 use crate::random;
-use crate::resampling::{effective_sample_size, systematic};
+use crate::resampling::{effective_sample_size, multinomial, systematic};
 
 /// Candidates of the pose and what they believe.
 pub struct ParticleFilter {
@@ -19,7 +19,7 @@ pub struct ParticleFilter {
     particles: Vec<Pose>,
     weights: Vec<f64>,
     motion: ChaCha8Rng,
-    comb: ChaCha8Rng,
+    draws: ChaCha8Rng,
     matcher: Matcher,
     parents: Vec<usize>,
     drawn: Vec<Pose>,
@@ -55,7 +55,7 @@ impl ParticleFilter {
             particles,
             weights: vec![1.0 / count as f64; count],
             motion: random::stream(seed, "motion"),
-            comb: random::stream(seed, "resampling"),
+            draws: random::stream(seed, "resampling"),
             matcher: Matcher::new(parameters),
             parents: vec![0; count],
             information: vec![0.0; count],
@@ -163,7 +163,15 @@ impl ParticleFilter {
         {
             return;
         }
-        systematic(&self.weights, self.comb.random::<f64>(), &mut self.parents);
+        match self.parameters.resampling {
+            Resampling::Systematic => {
+                systematic(&self.weights, self.draws.random(), &mut self.parents);
+            }
+            Resampling::Multinomial => {
+                let draws = &mut self.draws;
+                multinomial(&self.weights, || draws.random(), &mut self.parents);
+            }
+        }
         for (drawn, &parent) in self.drawn.iter_mut().zip(&self.parents) {
             *drawn = self.particles[parent];
         }

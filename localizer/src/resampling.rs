@@ -1,4 +1,5 @@
-//! Systematic resampling: particles are drawn by one comb of equal steps over their cumulated weights.
+//! Resampling: the next particles are drawn by their weights, systematically by one comb of equal steps over the cumulated weights, or
+//! multinomially, each by a draw of its own.
 
 /// Writes the parents of `parents.len()` new particles, in increasing order.
 ///
@@ -17,6 +18,22 @@ pub fn systematic(weights: &[f64], offset: f64, parents: &mut [usize]) {
             cumulated += weights[parent];
         }
         *slot = parent;
+    }
+}
+
+/// Writes the parents of `parents.len()` new particles, each drawn by itself with the probability of its weight.
+///
+/// `weights` add up to 1; `draw` gives numbers in [0, 1).
+pub fn multinomial(weights: &[f64], mut draw: impl FnMut() -> f64, parents: &mut [usize]) {
+    let last = weights.len().saturating_sub(1);
+    for slot in parents {
+        let mut left = draw();
+        let taken = weights.iter().position(|weight| {
+            left -= weight;
+            left < 0.0
+        });
+        // The sum may end a rounding error below 1.
+        *slot = taken.unwrap_or(last);
     }
 }
 
@@ -65,6 +82,36 @@ mod tests {
         for (sum, weight) in sums.iter().zip(weights) {
             assert!((*sum as f64 / f64::from(offsets) - 10.0 * weight).abs() < 1e-3);
         }
+    }
+
+    #[test]
+    fn multinomial_draws_are_independent_and_right_on_average() {
+        let weights = [0.07, 0.013, 0.3, 0.217, 0.4];
+        let mut random = crate::random::stream(1, "multinomial");
+        let (rounds, size) = (20_000, 10);
+        let (mut sums, mut squares) = ([0.0; 5], [0.0; 5]);
+        let mut parents = vec![0; size];
+        for _ in 0..rounds {
+            multinomial(&weights, || rand::RngExt::random(&mut random), &mut parents);
+            for parent in 0..weights.len() {
+                let count = parents.iter().filter(|&&drawn| drawn == parent).count() as f64;
+                sums[parent] += count;
+                squares[parent] += count * count;
+            }
+        }
+        for ((sum, square), weight) in sums.iter().zip(squares).zip(weights) {
+            let mean = sum / f64::from(rounds);
+            let variance = square / f64::from(rounds) - mean * mean;
+            let binomial = size as f64 * weight * (1.0 - weight);
+            // Five standard errors of the mean; the variance, unlike that of the comb, is the binomial one.
+            assert!((mean - 10.0 * weight).abs() < 5.0 * (binomial / f64::from(rounds)).sqrt());
+            assert!(
+                (variance / binomial - 1.0).abs() < 0.1,
+                "{variance} {binomial}"
+            );
+        }
+        multinomial(&weights[..1], || 0.999, &mut parents);
+        assert_eq!(parents, [0; 10]);
     }
 
     #[test]

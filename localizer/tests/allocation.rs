@@ -88,7 +88,7 @@ fn map(parameters: &Parameters) -> MapImage {
         t_s: 0.0,
         odometry: ODOMETRY,
         stationary: false,
-        mean_intensity: vec![1.0; intensity.ncols()],
+        toa_intensity: vec![1.0; intensity.ncols()],
         intensity,
     };
     let sequence = EchoSequence {

@@ -133,7 +133,7 @@ pub fn measure() -> Result<[Row; 2]> {
         t_s: 0.0,
         odometry: CIRCLE,
         stationary: false,
-        mean_intensity: vec![0.0; intensity.ncols()],
+        toa_intensity: vec![0.0; intensity.ncols()],
         intensity,
     };
     let map = map_of(&parameters, &block)?;

@@ -92,7 +92,7 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     let gate = parameters.delay_of_range(parameters.min_range_m);
     let directions = (parameters.directions + 1) as f32;
     let image = Array2::from_shape_fn((sequence.blocks.len(), columns), |(row, column)| {
-        let intensity = &sequence.blocks[row].mean_intensity;
+        let intensity = &sequence.blocks[row].toa_intensity;
         (column * POOL..(column + 1) * POOL)
             .filter(|delay| *delay >= gate)
             .filter_map(|delay| intensity.get(delay))

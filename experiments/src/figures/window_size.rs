@@ -11,6 +11,26 @@ use super::legend::{Entry, legend};
 use super::{means_by, method_style};
 use crate::table::Table;
 
+/// A window whose error exceeds the least by no more than this part does about as well.
+const ABOUT_AS_WELL: f64 = 0.25;
+
+/// What one sees: the windows around the best one that do about as well, and the best.
+fn title(curve: &[(f64, f64)], best_m: f64, best_mae: f64) -> String {
+    let bound = (1.0 + ABOUT_AS_WELL) * best_mae;
+    let reach = |side: &mut dyn Iterator<Item = &(f64, f64)>| {
+        side.take_while(|point| point.1 <= bound)
+            .last()
+            .map_or(best_m, |point| point.0)
+    };
+    let from = reach(&mut curve.iter().rev().filter(|point| point.0 <= best_m));
+    let to = reach(&mut curve.iter().filter(|point| point.0 >= best_m));
+    let which = match from < to {
+        true => format!("Windows of {from:.1} to {to:.1} m do best"),
+        false => "One size of window does best".to_owned(),
+    };
+    format!("{which}: {best_mae:.3} m at {best_m:.1} m")
+}
+
 /// Draws the figure.
 ///
 /// # Errors
@@ -43,8 +63,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         .chain([lowest])
         .collect();
     canvas::draw(picture, 1800, 960, |sheet| {
-        let title =
-            format!("The matched window has a best size: {best_m:.1} m gives {best_mae:.3} m");
+        let title = title(&curve, best_m, best_mae);
         sheet.text(
             &title,
             [0.5 * sheet.width, 20.0],
@@ -81,4 +100,29 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         legend(sheet, [170.0, 85.0], 1500.0, &[entry])?;
         Ok(())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::title;
+
+    #[test]
+    fn the_title_says_how_wide_the_minimum_is() {
+        let flat = [
+            (3.0, 0.4),
+            (4.0, 0.035),
+            (4.5, 0.03),
+            (5.0, 0.036),
+            (6.0, 0.06),
+        ];
+        assert_eq!(
+            title(&flat, 4.5, 0.03),
+            "Windows of 4.0 to 5.0 m do best: 0.030 m at 4.5 m"
+        );
+        let sharp = [(3.0, 0.4), (4.0, 0.02), (5.0, 0.04)];
+        assert_eq!(
+            title(&sharp, 4.0, 0.02),
+            "One size of window does best: 0.020 m at 4.0 m"
+        );
+    }
 }

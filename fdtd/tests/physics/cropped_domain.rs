@@ -8,15 +8,16 @@
 
 use std::collections::BTreeMap;
 
-use crate::rig::{DT_S, decibels, difference, norm};
+use crate::rig::{
+    assert_foreign, code_on_carrier, decibels, difference, handed_over, heard, norm, run_to,
+};
 use fdtd::grid::Grid;
 use fdtd::motion::{DrivePath, MotionState};
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
-use fdtd::simulation::{Flow, Simulation, SimulationOptions};
+use fdtd::simulation::{Simulation, SimulationOptions};
 use fdtd::validation::corner;
 use fdtd::walls::{Wall, WallModel};
-use fdtd::waveform::PeriodicWaveform;
 
 fn scene(scheme: Scheme, wall_model: WallModel) -> Scene {
     let corner = corner::scene(scheme).expect("a valid drive");
@@ -50,23 +51,8 @@ fn scene(scheme: Scheme, wall_model: WallModel) -> Scene {
 }
 
 fn simulation(scene: &Scene, options: SimulationOptions) -> Simulation {
-    // Four samples per cycle of the carrier.
-    let samples: Vec<f64> = (0..4 * 127_usize)
-        .map(|n| {
-            let chip = n / 4;
-            let sign = f64::from((chip * chip + chip / 3) % 7 < 3) * 2.0 - 1.0;
-            sign * [1.0, 1.0, -1.0, -1.0][n % 4]
-        })
-        .collect();
-    let period_s = samples.len() as f64 / 40e3;
-    let waveform = PeriodicWaveform::with_band(&samples, period_s, [500.0, 14e3], 1.0 / DT_S);
+    let waveform = code_on_carrier(127, [500.0, 14e3]);
     Simulation::new(scene, "drive", &waveform, &options).expect("a valid scene")
-}
-
-fn heard(mut simulation: Simulation) -> Vec<f32> {
-    let outcome = simulation.run(&mut |_, _| Flow::Continue);
-    assert!(outcome.is_ok(), "{outcome:?}");
-    simulation.signal()
 }
 
 fn whole() -> SimulationOptions {
@@ -119,26 +105,12 @@ fn threads_engine_and_interruptions_do_not_matter() {
     assert!(alone == heard(with(3, false)), "threads");
     assert!(alone == heard(with(1, true)), "reference engine");
 
-    let file = std::env::temp_dir().join(format!("cropped-{}.checkpoint", std::process::id()));
     let mut first = with(1, false);
-    first
-        .run(&mut |progress, _| match progress.step >= 3000 {
-            true => Flow::Stop,
-            false => Flow::Continue,
-        })
-        .expect("a finite field");
-    first.save_checkpoint(&file).expect("a file");
+    run_to(&mut first, 3000);
     let mut second = with(2, false);
-    second.load_checkpoint(&file).expect("its own checkpoint");
+    handed_over(&first, &mut second).expect("its own checkpoint");
     assert!(alone == heard(second), "interrupted");
-    let foreign = simulation(&scene, whole()).load_checkpoint(&file);
-    std::fs::remove_file(&file).expect("the checkpoint");
-    assert!(
-        foreign
-            .as_ref()
-            .is_err_and(|error| error.to_string().contains("other inputs")),
-        "{foreign:?}"
-    );
+    assert_foreign(&first, &mut simulation(&scene, whole()));
 }
 
 #[test]
@@ -146,12 +118,7 @@ fn pictures_show_the_scenes_domain() {
     let scene = scene(Scheme::Slf, WallModel::Staircase);
     let frame = |options| {
         let mut simulation = simulation(&scene, options);
-        simulation
-            .run(&mut |progress, _| match progress.step >= 256 {
-                true => Flow::Stop,
-                false => Flow::Continue,
-            })
-            .expect("a finite field");
+        run_to(&mut simulation, 256);
         simulation.pressure_frame()
     };
     let (nx, ny, cropped) = frame(SimulationOptions::default());

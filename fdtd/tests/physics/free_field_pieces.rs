@@ -10,7 +10,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::rig::{DT_S, decibels};
+use crate::rig::{assert_foreign, code_on_carrier, decibels, handed_over, heard, run_to};
 use fdtd::grid::Grid;
 use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState};
 use fdtd::scene::{Robot, Scene};
@@ -18,7 +18,6 @@ use fdtd::scheme::Scheme;
 use fdtd::simulation::{Flow, Simulation, SimulationOptions};
 use fdtd::spread::Spread;
 use fdtd::validation::corner;
-use fdtd::waveform::PeriodicWaveform;
 
 const DURATION_S: f64 = 0.3;
 const RATE_HZ: f64 = 40e3;
@@ -58,16 +57,7 @@ fn scene(scheme: Scheme, apart_m: f64, duration_s: f64) -> Scene {
 }
 
 fn simulation(scene: &Scene, options: SimulationOptions) -> Simulation {
-    // Four samples per chip and per cycle of the carrier.
-    let samples: Vec<f64> = (0..4 * 511)
-        .map(|n| {
-            let chip = n / 4;
-            let sign = f64::from((chip * chip + chip / 3) % 7 < 3) * 2.0 - 1.0;
-            sign * [1.0, 1.0, -1.0, -1.0][n % 4]
-        })
-        .collect();
-    let period_s = samples.len() as f64 / RATE_HZ;
-    let waveform = PeriodicWaveform::with_band(&samples, period_s, BAND_HZ, 1.0 / DT_S);
+    let waveform = code_on_carrier(511, BAND_HZ);
     let options = SimulationOptions {
         free_field: true,
         ..options
@@ -80,12 +70,6 @@ fn undivided() -> SimulationOptions {
         whole_domain: true,
         ..SimulationOptions::default()
     }
-}
-
-fn heard(mut simulation: Simulation) -> Vec<f32> {
-    let outcome = simulation.run(&mut |_, _| Flow::Continue);
-    assert!(outcome.is_ok(), "{outcome:?}");
-    simulation.signal()
 }
 
 fn rms(signal: &[f64]) -> f64 {
@@ -158,7 +142,6 @@ fn threads_engine_and_interruptions_do_not_matter() {
     assert!(alone == heard(with(3, false)), "threads");
     assert!(alone == heard(with(1, true)), "reference engine");
 
-    let file = std::env::temp_dir().join(format!("free-field-{}.checkpoint", std::process::id()));
     // At the end of a piece, in a warm-up, while one fades in, and a little later.
     let mut ends = Vec::new();
     let mut last_s = 0.0;
@@ -175,15 +158,9 @@ fn threads_engine_and_interruptions_do_not_matter() {
     assert_eq!(ends.len(), 5, "there is a second piece");
     for end in ends {
         let mut first = with(1, false);
-        first
-            .run(&mut |progress, _| match progress.step >= end {
-                true => Flow::Stop,
-                false => Flow::Continue,
-            })
-            .expect("a finite field");
-        first.save_checkpoint(&file).expect("a file");
+        run_to(&mut first, end);
         let mut second = with(2, false);
-        second.load_checkpoint(&file).expect("its own checkpoint");
+        handed_over(&first, &mut second).expect("its own checkpoint");
         assert_eq!(second.step(), first.step());
         assert_eq!(second.time_s(), first.time_s());
         let (columns, rows, frame) = second.pressure_frame();
@@ -191,12 +168,7 @@ fn threads_engine_and_interruptions_do_not_matter() {
         assert!(frame == first.pressure_frame().2);
         assert!(alone == heard(second), "interrupted at step {end}");
     }
-    let foreign = simulation(&scene, undivided()).load_checkpoint(&file);
-    assert!(
-        foreign
-            .as_ref()
-            .is_err_and(|error| error.to_string().contains("other inputs")),
-        "{foreign:?}"
-    );
-    std::fs::remove_file(&file).expect("the checkpoint");
+    let mut first = with(1, false);
+    run_to(&mut first, 256);
+    assert_foreign(&first, &mut simulation(&scene, undivided()));
 }

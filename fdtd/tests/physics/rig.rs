@@ -1,6 +1,8 @@
 //! The rig that tests and `echolot validate` share, and its measurements as assertions.
 
+use fdtd::simulation::{Flow, Simulation};
 use fdtd::validation::Measurement;
+use fdtd::waveform::PeriodicWaveform;
 
 pub(crate) use fdtd::validation::rig::*;
 
@@ -13,4 +15,56 @@ pub(crate) fn assert_within(law: &str, found: &[Measurement]) {
         );
         assert!(measurement.passed(), "{law}: {measurement:?}");
     }
+}
+
+/// Chips on a carrier of 10 kHz, one for each cycle, within a band.
+pub(crate) fn code_on_carrier(chips: usize, band_hz: [f64; 2]) -> PeriodicWaveform {
+    // Four samples per cycle of the carrier.
+    let samples: Vec<f64> = (0..4 * chips)
+        .map(|n| {
+            let chip = n / 4;
+            let sign = f64::from((chip * chip + chip / 3) % 7 < 3) * 2.0 - 1.0;
+            sign * [1.0, 1.0, -1.0, -1.0][n % 4]
+        })
+        .collect();
+    PeriodicWaveform::with_band(&samples, samples.len() as f64 / 40e3, band_hz, 1.0 / DT_S)
+}
+
+/// Runs a simulation until it has come to a step.
+pub(crate) fn run_to(simulation: &mut Simulation, step: u64) {
+    simulation
+        .run(&mut |progress, _| match progress.step >= step {
+            true => Flow::Stop,
+            false => Flow::Continue,
+        })
+        .expect("a finite field");
+}
+
+/// Signal of a simulation run to its end.
+pub(crate) fn heard(mut simulation: Simulation) -> Vec<f32> {
+    run_to(&mut simulation, u64::MAX);
+    simulation.signal()
+}
+
+/// A checkpoint of a run as another one finds it.
+pub(crate) fn handed_over(from: &Simulation, to: &mut Simulation) -> Result<(), fdtd::Error> {
+    static COUNT: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
+    let count = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    let name = format!("physics-{}-{count}.checkpoint", std::process::id());
+    let file = std::env::temp_dir().join(name);
+    from.save_checkpoint(&file)?;
+    let loaded = to.load_checkpoint(&file);
+    std::fs::remove_file(&file).expect("the checkpoint");
+    loaded
+}
+
+/// Asserts that a run refuses the checkpoint of another.
+pub(crate) fn assert_foreign(from: &Simulation, to: &mut Simulation) {
+    let foreign = handed_over(from, to);
+    assert!(
+        foreign
+            .as_ref()
+            .is_err_and(|error| error.to_string().contains("other inputs")),
+        "{foreign:?}"
+    );
 }

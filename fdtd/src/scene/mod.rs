@@ -4,6 +4,7 @@ mod check;
 mod clearance;
 mod file;
 mod locate;
+mod path_file;
 
 use crate::error::Error;
 use crate::grid::{Grid, Medium};

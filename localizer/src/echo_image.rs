@@ -12,13 +12,11 @@ use ndarray::{Array2, ArrayView2};
 use crate::parameters::Parameters;
 use crate::pose::wrap_angle;
 
-/// Direction index of an absolute angle from the heading in 0..=pi, eqs. (6) and (16).
-fn direction_index(difference_rad: f64, directions: usize) -> usize {
-    (directions as f64 / PI * wrap_angle(difference_rad).abs() + 0.5) as usize
-}
-
 /// Parts of the turn whose place in the order of angles is on file.
 const SECTORS: usize = 4096;
+
+/// Pixels that a search along the order of angles looks at together.
+const AT_ONCE: usize = 4;
 
 /// The pixels of a square window around the robot, in the order in which images are kept.
 #[derive(Debug, Clone)]
@@ -125,57 +123,79 @@ impl Window {
         mut told: impl FnMut(usize, Range<usize>),
     ) {
         let lit = self.lit();
+        let per_rad = directions as f64 / PI;
         let heading_rad = wrap_angle(heading_rad);
-        let width_rad = PI / directions as f64;
-        // Ahead and astern the bearing turns around; between these cuts it is monotone, so a direction is one run.
-        let cut = |angle_rad: f64| self.angles_rad.partition_point(|&angle| angle < angle_rad);
-        let opposite = cut(wrap_angle(heading_rad + PI));
-        let ahead = cut(heading_rad);
+        let cut = |angle_rad: f64| self.place_of(angle_rad, |pixel_rad| pixel_rad < angle_rad);
+        let (ahead, opposite) = (cut(heading_rad), cut(wrap_angle(heading_rad + PI)));
+        // Ahead and astern the bearing turns around; between these cuts it is monotone, so a direction is one run. Each stretch has its end,
+        // its side (left is positive) and the turns by which its bearings differ from angle less heading.
+        let stretches = if heading_rad > 0.0 {
+            [(opposite, 1.0, 1.0), (ahead, -1.0, 0.0), (lit, 1.0, 0.0)]
+        } else {
+            [(ahead, -1.0, 0.0), (opposite, 1.0, 0.0), (lit, -1.0, -1.0)]
+        };
         let mut start = 0;
-        let index =
-            |pixel: usize| direction_index(self.angles_rad[pixel] - heading_rad, directions);
-        for segment in [opposite.min(ahead), opposite.max(ahead), lit] {
-            // Direction of the next run and the angle at which it should end: guessed from the run before, so that a processor
-            // need not wait for one run before it begins the next.
-            let mut guess = (usize::MAX, 0.0);
-            while start < segment {
-                let direction = index(start);
-                let turned_rad = wrap_angle(self.angles_rad[start] - heading_rad);
-                let rises = turned_rad >= 0.0;
-                if guess.0 != direction {
-                    let left_rad = if rises {
-                        (direction as f64 + 0.5) * width_rad - turned_rad
-                    } else {
-                        -turned_rad - (direction as f64 - 0.5) * width_rad
-                    };
-                    guess = (direction, self.angles_rad[start] + left_rad);
+        for (stretch, side, turns) in stretches {
+            let added_rad = 2.0 * PI * turns;
+            // The direction's number before its fraction is cut off, eqs. (6) and (16).
+            let place =
+                |angle_rad: f64| per_rad * (side * (angle_rad - heading_rad + added_rad)) + 0.5;
+            let angle_of = |place: f64| heading_rad - added_rad + side * (place - 0.5) / per_rad;
+            if start >= stretch {
+                continue;
+            }
+            let mut direction = place(self.angles_rad[start]) as usize;
+            while start < stretch {
+                let end = match (side > 0.0, direction) {
+                    (true, last) if last >= directions => stretch,
+                    (true, _) => {
+                        let limit = (direction + 1) as f64;
+                        self.place_of(angle_of(limit), |angle| place(angle) < limit)
+                    }
+                    (false, 0) => stretch,
+                    (false, _) => {
+                        let limit = direction as f64;
+                        self.place_of(angle_of(limit), |angle| place(angle) >= limit)
+                    }
+                };
+                let end = end.clamp(start, stretch);
+                if end > start {
+                    told(direction, start..end);
                 }
-                // Rounding may put the end some pixels beside.
-                let mut end = self.place_of(guess.1).clamp(start + 1, segment);
-                while end < segment && index(end) == direction {
-                    end += 1;
-                }
-                while end > start + 1 && index(end - 1) != direction {
-                    end -= 1;
-                }
-                told(direction, start..end);
                 start = end;
-                let next = if rises {
+                direction = if side > 0.0 {
                     direction + 1
                 } else {
-                    direction.wrapping_sub(1)
+                    direction.saturating_sub(1)
                 };
-                guess = (next, guess.1 + width_rad);
             }
         }
     }
 
-    /// About where an angle has its place in the order; angles beyond the turn have theirs at its ends.
-    fn place_of(&self, angle_rad: f64) -> usize {
-        let sector = ((angle_rad + PI) * (SECTORS as f64 / (2.0 * PI))) as usize;
-        self.sectors
+    /// Number of pixels for whose angles `before` holds: the first ones in the order, up to about `guess_rad`.
+    fn place_of(&self, guess_rad: f64, before: impl Fn(f64) -> bool) -> usize {
+        let angles = self.angles_rad.as_slice();
+        let sector = ((guess_rad + PI) * (SECTORS as f64 / (2.0 * PI))) as usize;
+        let mut place = self
+            .sectors
             .get(sector)
-            .map_or(self.lit(), |&place| place as usize)
+            .map_or(angles.len(), |&place| place as usize);
+        // Rounding may have put it behind.
+        while place > 0 && !before(angles[place - 1]) {
+            place -= 1;
+        }
+        // A sector holds about one pixel: counting some more at once leaves no branch that would be guessed wrong.
+        while let Some(next) = angles.get(place..place + AT_ONCE) {
+            let count: usize = next.iter().map(|&angle| usize::from(before(angle))).sum();
+            place += count;
+            if count < AT_ONCE {
+                return place;
+            }
+        }
+        while angles.get(place).is_some_and(|&angle| before(angle)) {
+            place += 1;
+        }
+        place
     }
 
     fn copy_run(

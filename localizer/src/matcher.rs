@@ -6,7 +6,7 @@ use crate::echo_image::Window;
 use crate::map_image::MapImage;
 use crate::mutual_information::{MutualInformation, quantize};
 use crate::parameters::{Method, Parameters};
-use crate::pose::Pose;
+use crate::pose::{Pose, wrap_angle};
 use crate::sheets::{Outline, Sheets};
 
 /// Compares echo images with parts of the map, eqs. (9)-(16).
@@ -29,7 +29,7 @@ pub(crate) struct Matcher {
 struct Crop {
     centre: [i64; 2],
     bins: Vec<u8>,
-    marginal: f64,
+    marginal: i64,
     information: Option<f64>,
 }
 
@@ -39,7 +39,7 @@ impl Crop {
         Self {
             centre: [0; 2],
             bins: vec![0; pixels],
-            marginal: 0.0,
+            marginal: 0,
             information: None,
         }
     }
@@ -50,6 +50,7 @@ impl Crop {
 struct Sight {
     particle: usize,
     crop: usize,
+    heading_rad: f64,
     outline: Outline,
 }
 
@@ -100,17 +101,28 @@ impl Matcher {
             self.sights.push(Sight {
                 particle,
                 crop,
+                heading_rad: wrap_angle(pose.heading_rad),
                 outline,
             });
         }
-        // Images with the same maximum share their bins.
-        self.sights
-            .sort_unstable_by(|a, b| a.outline.largest.total_cmp(&b.outline.largest));
+        // Images with the same maximum share their bins; before the same part of the map and from nearly the same heading, most pixels.
+        self.sights.sort_unstable_by(|a, b| {
+            let brightness = a.outline.largest.total_cmp(&b.outline.largest);
+            let heading = || a.heading_rad.total_cmp(&b.heading_rad);
+            brightness.then(a.crop.cmp(&b.crop)).then_with(heading)
+        });
+        let mut before = None;
         for sight in &self.sights {
             self.sheets.draw(sight.outline, &mut self.echo);
             let crop = &self.crops[sight.crop];
-            information[sight.particle] =
-                self.tool.information(&self.echo, &crop.bins, crop.marginal);
+            let scene = Some((sight.outline.largest, sight.crop));
+            information[sight.particle] = if scene == before {
+                self.tool
+                    .information_of_next(&self.echo, &crop.bins, crop.marginal)
+            } else {
+                self.tool.information(&self.echo, &crop.bins, crop.marginal)
+            };
+            before = scene;
         }
     }
 

@@ -14,16 +14,12 @@ use crate::table::Table;
 /// A window whose error exceeds the least by no more than this part does about as well.
 const ABOUT_AS_WELL: f64 = 0.25;
 
-/// What one sees: the windows around the best one that do about as well, and the best.
+/// What one sees: the range of windows that do about as well as the best, and the best.
 fn title(curve: &[(f64, f64)], best_m: f64, best_mae: f64) -> String {
     let bound = (1.0 + ABOUT_AS_WELL) * best_mae;
-    let reach = |side: &mut dyn Iterator<Item = &(f64, f64)>| {
-        side.take_while(|point| point.1 <= bound)
-            .last()
-            .map_or(best_m, |point| point.0)
-    };
-    let from = reach(&mut curve.iter().rev().filter(|point| point.0 <= best_m));
-    let to = reach(&mut curve.iter().filter(|point| point.0 >= best_m));
+    let mut well = curve.iter().filter(|point| point.1 <= bound);
+    let from = well.next().map_or(best_m, |point| point.0);
+    let to = well.next_back().map_or(from, |point| point.0);
     let which = match from < to {
         true => format!("Windows of {from:.1} to {to:.1} m do best"),
         false => "One size of window does best".to_owned(),
@@ -112,12 +108,12 @@ mod tests {
             (3.0, 0.4),
             (4.0, 0.035),
             (4.5, 0.03),
-            (5.0, 0.036),
-            (6.0, 0.06),
+            (5.0, 0.06),
+            (6.0, 0.036),
         ];
         assert_eq!(
             title(&flat, 4.5, 0.03),
-            "Windows of 4.0 to 5.0 m do best: 0.030 m at 4.5 m"
+            "Windows of 4.0 to 6.0 m do best: 0.030 m at 4.5 m"
         );
         let sharp = [(3.0, 0.4), (4.0, 0.02), (5.0, 0.04)];
         assert_eq!(

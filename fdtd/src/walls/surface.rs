@@ -41,8 +41,8 @@ pub struct Surface {
 /// Cells beside a surface need so much of the air of the first cell to take part along it: small ones would ask for more mass than is there.
 const LEAST_BESIDE: f64 = 0.5;
 
-/// Cosine of the angle between a wall's normal and the axis up to which columns of cells serve it; beyond 8 degrees boxes do.
-const LEAST_SLOPE: f64 = 0.99;
+/// Cosine of the angle between a wall's normal and the axis up to which columns of cells serve it; beyond 18 degrees boxes do.
+const LEAST_SLOPE: f64 = 0.95;
 
 /// The surfaces of `walls` by row for a stencil of a radius, for the Courant number of `polynomial` and the characteristic impedance `rho c` of the air in Pa s/m.
 pub(super) fn surfaces(

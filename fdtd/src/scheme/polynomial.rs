@@ -47,25 +47,42 @@ impl Polynomial {
             + 128.0 * (cube.0 + cross.0);
         (taken <= self.linear).then_some(largest)
     }
-    /// Spring that may be added to minus the operator, over `linear`, whatever the walls: the leapfrog step stays stable while
-    /// a positive form of at most so many times the identity comes on top.
+
+    /// Derivatives of the symbol by `a` and `b`.
+    pub fn symbol_slopes(&self, a: f64, b: f64) -> [f64; 2] {
+        [[a, b], [b, a]].map(|[own, other]| {
+            self.linear - 2.0 * self.square * own - self.mixed * other
+                + 3.0 * self.cube * own * own
+                + self.cross * (2.0 * own * other + other * other)
+        })
+    }
+
+    /// What minus the operator leaves of 4, over `linear`, whatever the walls: the first number `spare` times the identity, and the second,
+    /// `smooth`, times `8 - P - Q`. The leapfrog step stays stable while a positive form of at most that comes on top.
     ///
     /// Sharper than [`Self::largest_eigenvalue`] where the coefficients have the signs that all schemes have. From `P^2 <= 4 P`,
     /// `P^3 <= 16 P` and `(P - 4) Q (P - 4) >= 0` minus the operator is at most `l (P + Q) - m (PQ + QP)/2` with
     /// `l = linear - 4 square + 16 cube - 16 cross` and `m = mixed - 16 cross`. That is linear in P and in Q, so its largest eigenvalue is largest
     /// where both are 4 times projections; two projections fall apart into planes in which they meet at an angle of cosine C, where the
-    /// eigenvalues are `4 l (1 + C) - 8 m C (1 + C)`: at most `8 l - 16 m`, the symbol of the checkerboard, when `6 m <= l`.
-    pub fn spare(&self) -> f64 {
+    /// eigenvalues are `4 l (1 + C) - 8 m C (1 + C)`: at most `8 l - 16 m`, the symbol of the checkerboard, when `6 m <= l`. The same with
+    /// `6 m` for `l` says that minus the operator and `(l - 6 m) (8 - P - Q)` together stay within `8 l - 16 m`: only the checkerboard, where P + Q is 8,
+    /// comes near to it, and smooth fields leave much more.
+    pub fn slack(&self) -> [f64; 2] {
         let signs =
             self.square <= 0.0 && self.mixed >= 0.0 && self.cube >= 0.0 && self.cross <= 0.0;
         let sum = self.linear - 4.0 * self.square + 16.0 * self.cube - 16.0 * self.cross;
         let product = self.mixed - 16.0 * self.cross;
-        let largest = if signs && 6.0 * product <= sum {
-            8.0 * sum - 16.0 * product
+        let [largest, smooth] = if signs && 6.0 * product <= sum {
+            [8.0 * sum - 16.0 * product, sum - 6.0 * product]
         } else {
-            self.largest_eigenvalue().unwrap_or(4.0)
+            [self.largest_eigenvalue().unwrap_or(4.0), 0.0]
         };
         // Rounding the coefficients must not matter.
-        (4.0 - 1e-3 - largest).max(0.0) / self.linear
+        [(4.0 - 1e-3 - largest).max(0.0), smooth].map(|part| part / self.linear)
+    }
+
+    /// The first number of [`Self::slack`]: the spring that may be added to minus the operator in every cell, whatever the field.
+    pub fn spare(&self) -> f64 {
+        self.slack()[0]
     }
 }

@@ -174,10 +174,9 @@ impl Simulation {
         });
         let surfaces = walls.loads().iter().flat_map(|load| {
             let [ix, iy] = load.cell.map(|at| at as u64);
-            let numbers = [load.impedance_pasm, load.length, load.slope, load.open];
-            [ix, iy, load.axis as u64, load.inward.cast_unsigned() as u64]
-                .into_iter()
-                .chain(numbers.map(f64::to_bits))
+            let [x, y] = load.normal;
+            let numbers = [load.impedance_pasm, load.length, x, y, load.distance];
+            [ix, iy].into_iter().chain(numbers.map(f64::to_bits))
         });
         let walls = digest(solid.chain(parts).chain(surfaces));
         let pieces = &self.plan.pieces;

@@ -1,4 +1,4 @@
-//! Which cells before a wall of an impedance take part in its reaction, and how much.
+//! Which cells before a wall of an impedance take part in its reaction, and how much: walls along the axes, and nearly so.
 //!
 //! A surface samples the pressure with weights e of three cells along the grid's axis that is nearest to its normal, and of the cells beside one of
 //! them along the wall, and takes its flow from the same cells with the same weights: that keeps it passive (see [`super::surface`]). A plane wave in front of
@@ -34,10 +34,10 @@ const PLACES: usize = 16;
 
 /// Wave number in radians per cell up to which the wide schemes are fitted: 11 kHz on the papers' grid. The 5-point scheme, whose own error of
 /// the group velocity is eight percent at 10 kHz, is fitted to half of it.
-const BAND_EDGE: f64 = TAU * 11e3 / 340.0 * 0.005;
+pub(super) const BAND_EDGE: f64 = TAU * 11e3 / 340.0 * 0.005;
 
 /// Cosines of the angles of incidence: 0, 30, 60 and 75 degrees.
-const COSINES: [f64; 4] = [1.0, 0.866, 0.5, 0.259];
+pub(super) const COSINES: [f64; 4] = [1.0, 0.866, 0.5, 0.259];
 
 /// Impedances over that of air, times the cosine, at which the reflection factor is held against the exact one.
 const RATIOS: [f64; 11] = [0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 3.0, 6.0, 20.0];

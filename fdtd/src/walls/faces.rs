@@ -5,6 +5,9 @@ use super::{Load, SolidMask, Wall, WallCells, rasterize};
 use crate::grid::Grid;
 use std::collections::BTreeMap;
 
+/// Distance in cell widths from a cell's middle to its corners: walls farther away do not cut it.
+const FARTHEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
 /// Open parts by geometry, and the weights that the spectrum leaves them.
 pub(super) struct Openings<'a> {
     pub(super) solid: &'a SolidMask,
@@ -96,39 +99,19 @@ impl Openings<'_> {
             if length == 0.0 || wall.impedance_pasm.is_none() {
                 return None;
             }
-            let axis = usize::from(closed[1].abs() > closed[0].abs());
-            let slope = closed[axis].abs() / length;
-            let inward = if closed[axis] > 0.0 { -1 } else { 1 };
-            let mut place = [ix, iy];
-            let mut open = 1.0;
-            if self.near.contains_key(&cell) {
+            let normal = closed.map(|part| -part / length);
+            let distance = if self.near.contains_key(&cell) {
                 let centre_m = [ix, iy].map(|at| (at as f64 + 0.5) * grid.dx_m);
-                open = 0.5 + wall.distance_m(centre_m) / (grid.dx_m * slope);
-                // The cell that holds the wall where the line through the cells' middles meets it.
-                while open > 1.0 {
-                    let mut outward = place;
-                    outward[axis] -= inward;
-                    if self.area(outward[0], outward[1]) == 0.0 {
-                        break;
-                    }
-                    (place, open) = (outward, open - 1.0);
-                }
-                if open <= 0.0 {
-                    place[axis] += inward;
-                    open += 1.0;
-                }
-            }
-            let inside = self.area(place[0], place[1]) > 0.0
-                && self.solid.index(place[0], place[1]).is_some();
-            let place = if inside { place } else { [ix, iy] };
+                (wall.distance_m(centre_m) / grid.dx_m).clamp(-FARTHEST, FARTHEST)
+            } else {
+                0.5 * normal[0].abs().max(normal[1].abs())
+            };
             Some(Load {
                 impedance_pasm: wall.impedance_pasm?,
                 length,
-                cell: place.map(|at| at as usize),
-                axis,
-                inward,
-                slope,
-                open: open.clamp(0.0, 1.0),
+                cell: [ix as usize, iy as usize],
+                normal,
+                distance,
             })
         };
         soft.iter().filter_map(load).collect()

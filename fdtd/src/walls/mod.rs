@@ -5,16 +5,19 @@
 //! * `cut` (with `clip`): cells that keep the part that walls leave open;
 //! * `faces`: weights of faces, and where walls of an impedance have their surface;
 //! * `openings`: what all of it gives to the field; [`operator`]: the field's rows near walls;
-//! * `surface`: what surfaces of an impedance do to the field; `aperture`: through which cells.
+//! * `surface`: what surfaces of an impedance do to the field; `aperture` and `footprint`: through which cells, before walls along the axes and others;
+//!   `spring`: with how much mass.
 
 mod aperture;
 mod clip;
 mod cut;
 mod faces;
+mod footprint;
 mod model;
 mod openings;
 pub mod operator;
 mod rasterize;
+mod spring;
 mod surface;
 mod wall;
 

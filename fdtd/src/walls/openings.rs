@@ -30,16 +30,20 @@ pub struct Load {
     pub impedance_pasm: f64,
     /// Length of the piece, in cell widths.
     pub length: f64,
-    /// Column and row of the first cell before it that holds air.
+    /// Column and row of the cell in which it lies.
     pub cell: [usize; 2],
-    /// Axis of the grid nearest to the surface's normal: 0 is x, 1 is y.
-    pub axis: usize,
-    /// Way from the wall into the air along this axis, 1 or -1.
-    pub inward: isize,
-    /// Cosine of the angle between axis and normal.
-    pub slope: f64,
-    /// Part of the cell before the wall, along the axis through its middle.
-    pub open: f64,
+    /// Unit vector from the wall into the air.
+    pub normal: [f64; 2],
+    /// Distance of the cell's middle from the wall in cell widths, negative within the wall.
+    pub distance: f64,
+}
+
+impl Load {
+    /// Axis of the grid nearest to the normal, 0 for x and 1 for y, and the cosine of the angle between them.
+    pub(super) fn nearest_axis(&self) -> (usize, f64) {
+        let [x, y] = self.normal.map(f64::abs);
+        if y > x { (1, y) } else { (0, x) }
+    }
 }
 
 /// The walls as cells: solid ones, and those of which a wall leaves a part.
@@ -159,6 +163,28 @@ impl WallCells {
             areas[cell] = opening.area;
         }
         areas
+    }
+
+    /// The cell beside another along an axis, when it lies on the grid and the face between them is open.
+    pub(super) fn beside(
+        &self,
+        [ix, iy]: [usize; 2],
+        axis: usize,
+        side: isize,
+    ) -> Option<[usize; 2]> {
+        let [nx, ny] = self.size();
+        let mut place = [ix as isize, iy as isize];
+        place[axis] += side;
+        let [x, y] = place;
+        let inside = x >= 0 && y >= 0 && (x as usize) < nx && (y as usize) < ny;
+        let there = self.opening(x, y).filter(|_| inside)?;
+        let upper = if side > 0 {
+            there
+        } else {
+            self.opening(ix as isize, iy as isize)?
+        };
+        let face = if axis == 0 { upper.west } else { upper.south };
+        (face > 0.0).then_some([x as usize, y as usize])
     }
 
     /// What is left of a cell, of any place: `None` for a solid one. Faces to solid cells are closed.

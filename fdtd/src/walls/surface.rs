@@ -1,7 +1,8 @@
 //! Walls of an impedance: what their surfaces do to the field.
 //!
 //! A piece of surface of length l and impedance Z has one velocity v into it, half a step before and after the pressure. With a mass m of
-//! air before it, `z = Z/(rho c)`, and the pressure at the surface as a mean with weights f of cells before it ([`super::aperture`]),
+//! air before it, `z = Z/(rho c)`, and the pressure at the surface as a mean with weights f of cells before it ([`super::aperture`] before walls along the
+//! axes, [`super::footprint`] before others),
 //!
 //! `(m/chi)(v+ - v-) + z (v+ + v-)/2 = f.p`, and every cell's pressure loses `chi l f_i/V_i (v+ - v-)`.
 //!
@@ -11,14 +12,15 @@
 //!
 //! `t (4 - s - sum k/M) + s/t + sum k [z/(2 M^2) + (2 - z^2/(2 M^2))/(2 M t + z)] = 0`.
 //!
-//! The brackets have positive real parts, as `|2 M t + z| > z`. So has all of the rest while `s + sum k/M <= 4`: then no mode grows. What the operator leaves of 4
-//! is [`Polynomial::spare`] (times `chi^2`), in every cell in proportion to its area. Each cell shares it out among the surfaces that it takes part in by `l |f|`, and by
-//! Cauchy's inequality a mass of at least `sum |f_i| L_i/(spare V_i)`, `L_i` being the sum of `l |f_i|` over the surfaces, keeps within it, whatever the walls'
-//! shape: slanted, at corners and ends, face to face.
+//! The brackets have positive real parts, as `|2 M t + z| > z`. So has all of the rest while `s + sum k/M <= 4`: then no mode grows. What the operator leaves of 4 is
+//! known as a form whatever the walls' shape ([`Polynomial::slack`]), and [`super::spring`] gives each surface the mass that keeps the sum within it: slanted, at
+//! corners and ends, face to face.
 
 use super::WallCells;
 use super::aperture::{Aperture, Apertures};
+use super::footprint::Footprints;
 use super::openings::Load;
+use super::spring::{Piece, least_masses};
 use crate::scheme::Polynomial;
 use std::collections::BTreeMap;
 
@@ -39,6 +41,9 @@ pub struct Surface {
 /// Cells beside a surface need so much of the air of the first cell to take part along it: small ones would ask for more mass than is there.
 const LEAST_BESIDE: f64 = 0.5;
 
+/// Cosine of the angle between a wall's normal and the axis up to which columns of cells serve it; beyond 18 degrees boxes do.
+const LEAST_SLOPE: f64 = 0.95;
+
 /// The surfaces of `walls` by row for a stencil of a radius, for the Courant number of `polynomial` and the characteristic impedance `rho c` of the air in Pa s/m.
 pub(super) fn surfaces(
     walls: &WallCells,
@@ -51,32 +56,37 @@ pub(super) fn surfaces(
         return rows;
     }
     let apertures = Apertures::new(polynomial);
+    let footprints = Footprints::new(polynomial);
     let courant = polynomial.courant;
-    let spare = polynomial.spare().max(1e-6);
-    let reaches: Vec<(Reach, f64)> = walls
+    let (pieces, usual): (Vec<Piece>, Vec<f64>) = walls
         .loads()
         .iter()
         .map(|load| {
-            let aperture = apertures.at(load.open, load.slope);
-            (reach(walls, load, &aperture), aperture.mass)
+            let (reach, mass) = if load.nearest_axis().1 > LEAST_SLOPE {
+                let column = Column::of(walls, load);
+                let aperture = apertures.at(column.open, column.slope);
+                (column.reach(walls, &aperture), aperture.mass)
+            } else {
+                footprints.at(walls, load)
+            };
+            let (cell, length) = (load.cell, load.length);
+            let piece = Piece {
+                cell,
+                length,
+                reach,
+            };
+            (piece, mass)
         })
-        .collect();
-    let mut shared: BTreeMap<[usize; 2], f64> = BTreeMap::new();
-    for (load, (reach, _)) in walls.loads().iter().zip(&reaches) {
-        for (&cell, weight) in reach {
-            *shared.entry(cell).or_default() += load.length * weight.abs();
-        }
-    }
+        .unzip();
+    let least = least_masses(walls, polynomial, &pieces);
     let area = |[ix, iy]: [usize; 2]| {
         let opening = walls.opening(ix as isize, iy as isize);
         opening.map_or(1.0, |opening| opening.area)
     };
     let mut memory = 0;
-    for (load, (reach, usual)) in walls.loads().iter().zip(&reaches) {
-        let asked = |(cell, weight): (&[usize; 2], &f64)| {
-            weight.abs() * shared[cell] / (spare * area(*cell))
-        };
-        let mass = usual.max(reach.iter().map(asked).sum()) / courant;
+    for (index, load) in walls.loads().iter().enumerate() {
+        let reach = &pieces[index].reach;
+        let mass = usual[index].max(least[index]) / courant;
         let half = 0.5 * load.impedance_pasm / characteristic_pasm;
         let mut gains: BTreeMap<usize, Vec<(usize, f32)>> = BTreeMap::new();
         for (&[ix, iy], weight) in reach {
@@ -103,52 +113,83 @@ pub(super) fn surfaces(
 }
 
 /// Weights of cells by column and row.
-type Reach = BTreeMap<[usize; 2], f64>;
+pub(super) type Reach = BTreeMap<[usize; 2], f64>;
 
-/// The cells that a surface samples and takes its flow from. Where another wall comes between, fewer.
-fn reach(walls: &WallCells, load: &Load, aperture: &Aperture) -> Reach {
-    let mut cells = vec![load.cell];
-    while let Some(next) = (cells.len() < 3)
-        .then(|| beside(walls, cells[cells.len() - 1], load.axis, load.inward))
-        .flatten()
-    {
-        cells.push(next);
-    }
-    let mut weights = aperture.weights;
-    // What cells that are not there should have done is left to the last one that is.
-    for missing in (cells.len()..3).rev() {
-        weights[missing - 1] += weights[missing];
-    }
-    let mut reach: Reach = cells.iter().copied().zip(weights).collect();
-    let area = |[ix, iy]: [usize; 2]| {
-        let opening = walls.opening(ix as isize, iy as isize);
-        opening.map_or(0.0, |opening| opening.area)
-    };
-    for side in [-1, 1] {
-        if let Some(cell) = beside(walls, load.cell, 1 - load.axis, side)
-            && area(cell) >= LEAST_BESIDE * area(load.cell)
-        {
-            *reach.entry(load.cell).or_default() -= aperture.along;
-            *reach.entry(cell).or_default() += aperture.along;
-        }
-    }
-    reach.retain(|_, weight| *weight != 0.0);
-    reach
+/// The cells before a surface along the axis nearest to its normal.
+struct Column {
+    /// First cell that holds air.
+    first: [usize; 2],
+    axis: usize,
+    /// Way from the wall into the air along the axis, 1 or -1.
+    inward: isize,
+    /// Cosine of the angle between axis and normal.
+    slope: f64,
+    /// Open part of the first cell, along the axis through its middle.
+    open: f64,
 }
 
-/// The cell beside another along an axis, when the face between them is open.
-fn beside(walls: &WallCells, [ix, iy]: [usize; 2], axis: usize, side: isize) -> Option<[usize; 2]> {
-    let [nx, ny] = walls.size();
-    let mut place = [ix as isize, iy as isize];
-    place[axis] += side;
-    let [x, y] = place;
-    let inside = x >= 0 && y >= 0 && (x as usize) < nx && (y as usize) < ny;
-    let there = walls.opening(x, y).filter(|_| inside)?;
-    let upper = if side > 0 {
-        there
-    } else {
-        walls.opening(ix as isize, iy as isize)?
-    };
-    let face = if axis == 0 { upper.west } else { upper.south };
-    (face > 0.0).then_some([x as usize, y as usize])
+impl Column {
+    fn of(walls: &WallCells, load: &Load) -> Self {
+        let (axis, slope) = load.nearest_axis();
+        let inward = if load.normal[axis] > 0.0 { 1 } else { -1 };
+        let [nx, ny] = walls.size();
+        let air = |[x, y]: [isize; 2]| {
+            let inside = x >= 0 && y >= 0 && (x as usize) < nx && (y as usize) < ny;
+            inside && walls.opening(x, y).is_some()
+        };
+        let own = load.cell.map(|at| at as isize);
+        let mut place = own;
+        let mut open = 0.5 + load.distance / slope;
+        // The cell that holds the wall where the line through the cells' middles meets it.
+        if open > 1.0 {
+            let mut outward = place;
+            outward[axis] -= inward;
+            if air(outward) {
+                (place, open) = (outward, open - 1.0);
+            }
+        }
+        if open <= 0.0 {
+            place[axis] += inward;
+            open += 1.0;
+        }
+        let place = if air(place) { place } else { own };
+        Self {
+            first: place.map(|at| at as usize),
+            axis,
+            inward,
+            slope,
+            open: open.clamp(0.0, 1.0),
+        }
+    }
+
+    /// The cells that the surface samples and takes its flow from. Where another wall comes between, fewer.
+    fn reach(&self, walls: &WallCells, aperture: &Aperture) -> Reach {
+        let mut cells = vec![self.first];
+        while let Some(next) = (cells.len() < 3)
+            .then(|| walls.beside(cells[cells.len() - 1], self.axis, self.inward))
+            .flatten()
+        {
+            cells.push(next);
+        }
+        let mut weights = aperture.weights;
+        // What cells that are not there should have done is left to the last one that is.
+        for missing in (cells.len()..3).rev() {
+            weights[missing - 1] += weights[missing];
+        }
+        let mut reach: Reach = cells.iter().copied().zip(weights).collect();
+        let area = |[ix, iy]: [usize; 2]| {
+            let opening = walls.opening(ix as isize, iy as isize);
+            opening.map_or(0.0, |opening| opening.area)
+        };
+        for side in [-1, 1] {
+            if let Some(cell) = walls.beside(self.first, 1 - self.axis, side)
+                && area(cell) >= LEAST_BESIDE * area(self.first)
+            {
+                *reach.entry(self.first).or_default() -= aperture.along;
+                *reach.entry(cell).or_default() += aperture.along;
+            }
+        }
+        reach.retain(|_, weight| *weight != 0.0);
+        reach
+    }
 }

@@ -1,0 +1,184 @@
+//! The mass that a surface needs to be passive, from the springs that the air before it bears.
+//!
+//! `chi^2 sum l (f.p)^2/m` over all surfaces must not be more than what the rigid operator leaves of 4 (see [`super::surface`]). That is at least
+//! the form `H = chi^2 [spare V + smooth (8 V - V P - V Q)]` of [`Polynomial::slack`]: much for smooth fields, which the weights f sample, and little for
+//! the checkerboard, which they do not. By `G = sum chi^2 f' H^-1 f` between two surfaces it is enough that `m >= sum l |G|` for each, summed over all others and
+//! itself (Gershgorin's circles of the matrix of G, scaled with the lengths). `y = H^-1 f` is worked out by conjugate gradients in a
+//! window around the surface: it falls by four from cell to cell, so that what the window leaves out is far below the hundredth that is added.
+
+use super::WallCells;
+use super::surface::Reach;
+use crate::scheme::Polynomial;
+use std::collections::BTreeMap;
+
+/// Half width of the window in cells.
+const REACH: isize = 6;
+const WIDTH: usize = 2 * REACH as usize + 1;
+/// Rounds of conjugate gradients; each leaves about a quarter of the error.
+const ROUNDS: usize = 8;
+/// What is added for all that is left out.
+const MARGIN: f64 = 1.01;
+
+type Values = [[f64; WIDTH]; WIDTH];
+
+/// A piece of surface: its cell, its length, and the weights of the cells that take part.
+pub(super) struct Piece {
+    pub(super) cell: [usize; 2],
+    pub(super) length: f64,
+    pub(super) reach: Reach,
+}
+
+/// Least masses of surfaces in cell widths, whatever their impedances.
+pub(super) fn least_masses(
+    walls: &WallCells,
+    polynomial: &Polynomial,
+    pieces: &[Piece],
+) -> Vec<f64> {
+    let mut parts: BTreeMap<[usize; 2], Vec<(usize, f64)>> = BTreeMap::new();
+    for (index, piece) in pieces.iter().enumerate() {
+        for (&cell, &weight) in &piece.reach {
+            parts.entry(cell).or_default().push((index, weight));
+        }
+    }
+    let [spare, smooth] = polynomial.slack();
+    let slack = [spare.max(1e-6), smooth];
+    let least = |piece: &Piece| -> f64 {
+        let window = Window::around(walls, piece.cell, slack);
+        let mut load = [[0.0; WIDTH]; WIDTH];
+        for (&cell, weight) in &piece.reach {
+            let [x, y] = [0, 1].map(|axis| window.place(cell, axis));
+            load[y][x] = *weight;
+        }
+        let answer = window.solve(&load);
+        let mut shared: BTreeMap<usize, f64> = BTreeMap::new();
+        for (y, row) in answer.iter().enumerate() {
+            for (x, answer) in row.iter().enumerate() {
+                for &(other, weight) in window
+                    .cell(x, y)
+                    .and_then(|cell| parts.get(&cell))
+                    .into_iter()
+                    .flatten()
+                {
+                    *shared.entry(other).or_default() += answer * weight;
+                }
+            }
+        }
+        let terms = shared
+            .iter()
+            .map(|(&other, with)| pieces[other].length * with.abs());
+        MARGIN * terms.sum::<f64>()
+    };
+    pieces.iter().map(least).collect()
+}
+
+/// The form H in a window of cells.
+struct Window {
+    centre: [usize; 2],
+    /// `smooth` times the weights of the faces at lower x and y; none on the window's rim, which stays at rest.
+    west: Values,
+    south: Values,
+    /// Diagonal of the form; 0 where there is no air.
+    own: Values,
+}
+
+impl Window {
+    fn around(walls: &WallCells, centre: [usize; 2], [spare, smooth]: [f64; 2]) -> Self {
+        let mut window = Self {
+            centre,
+            west: [[0.0; WIDTH]; WIDTH],
+            south: [[0.0; WIDTH]; WIDTH],
+            own: [[0.0; WIDTH]; WIDTH],
+        };
+        for y in 0..WIDTH {
+            for x in 0..WIDTH {
+                let at = |i: usize, axis: usize| centre[axis] as isize + i as isize - REACH;
+                let Some(opening) = walls.opening(at(x, 0), at(y, 1)) else {
+                    continue;
+                };
+                window.own[y][x] += (spare + 8.0 * smooth) * opening.area;
+                let (west, south) = (smooth * opening.west, smooth * opening.south);
+                window.own[y][x] -= west + south;
+                if x > 0 {
+                    window.west[y][x] = west;
+                    window.own[y][x - 1] -= west;
+                }
+                if y > 0 {
+                    window.south[y][x] = south;
+                    window.own[y - 1][x] -= south;
+                }
+            }
+        }
+        window
+    }
+
+    /// Place in the window of a cell along an axis.
+    fn place(&self, cell: [usize; 2], axis: usize) -> usize {
+        (cell[axis] + REACH as usize) - self.centre[axis]
+    }
+
+    /// The cell at a place in the window, when it lies on the grid.
+    fn cell(&self, x: usize, y: usize) -> Option<[usize; 2]> {
+        let at = |i: usize, axis: usize| (self.centre[axis] + i).checked_sub(REACH as usize);
+        Some([at(x, 0)?, at(y, 1)?])
+    }
+
+    /// The form times a field.
+    fn apply(&self, u: &Values) -> Values {
+        let mut out = [[0.0; WIDTH]; WIDTH];
+        for y in 0..WIDTH {
+            for x in 0..WIDTH {
+                out[y][x] += self.own[y][x] * u[y][x];
+                if x > 0 {
+                    out[y][x] += self.west[y][x] * u[y][x - 1];
+                    out[y][x - 1] += self.west[y][x] * u[y][x];
+                }
+                if y > 0 {
+                    out[y][x] += self.south[y][x] * u[y - 1][x];
+                    out[y - 1][x] += self.south[y][x] * u[y][x];
+                }
+            }
+        }
+        out
+    }
+
+    /// Conjugate gradients for H y = load, with the diagonal as a guess of H.
+    fn solve(&self, load: &Values) -> Values {
+        let dot = |a: &Values, b: &Values| -> f64 {
+            let pairs = a.iter().flatten().zip(b.iter().flatten());
+            pairs.map(|(a, b)| a * b).sum()
+        };
+        let over = |values: &Values| -> Values {
+            std::array::from_fn(|y| {
+                std::array::from_fn(|x| {
+                    let own = self.own[y][x];
+                    if own > 0.0 { values[y][x] / own } else { 0.0 }
+                })
+            })
+        };
+        let add = |to: &mut Values, factor: f64, from: &Values| {
+            for (to, from) in to.iter_mut().flatten().zip(from.iter().flatten()) {
+                *to += factor * from;
+            }
+        };
+        let mut found = [[0.0; WIDTH]; WIDTH];
+        let mut rest = *load;
+        let mut guess = over(&rest);
+        let mut way = guess;
+        let mut size = dot(&rest, &guess);
+        for _ in 0..ROUNDS {
+            let along = self.apply(&way);
+            let curvature = dot(&way, &along);
+            if curvature <= 0.0 || size <= 0.0 {
+                break;
+            }
+            add(&mut found, size / curvature, &way);
+            add(&mut rest, -size / curvature, &along);
+            guess = over(&rest);
+            let next = dot(&rest, &guess);
+            let mut turned = guess;
+            add(&mut turned, next / size, &way);
+            (way, size) = (turned, next);
+        }
+        found
+    }
+}

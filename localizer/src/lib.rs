@@ -53,7 +53,9 @@ pub use crate::localizer::Localizer;
 pub use echoes::{EchoBlock, EchoSequence};
 pub use error::Error;
 pub use map_image::MapImage;
-pub use parameters::{DirectWave, Integration, Method, MotionModel, Parameters, TimeReference};
+pub use parameters::{
+    DirectWave, Integration, Method, MotionModel, Parameters, Resampling, TimeReference, ToaImage,
+};
 pub use pose::{Odometry, Pose};
 pub use recording::Recording;
 pub use tracker::Estimate;

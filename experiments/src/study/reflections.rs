@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 use fdtd::rays::{RayKind, Reflectors, TraceOptions, trace};
 use fdtd::walls::Wall;
 use localizer::echoes;
+use localizer::{Parameters, ToaImage};
 use ndarray::Array2;
 
 use crate::atomic;
@@ -83,8 +84,12 @@ fn meet(walls: &[Wall], pieces: &[(usize, usize)]) -> bool {
 /// Runs the study.
 pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     let recording = lab.recording(&lab.take("localization", None), false)?;
-    let sequence = echoes::measure(&recording, &lab.parameters)?;
-    let parameters = &lab.parameters;
+    // The figure shows the sum over the directions, whatever stands for them in the range-only method.
+    let parameters = &Parameters {
+        toa_image: ToaImage::Mean,
+        ..lab.parameters.clone()
+    };
+    let sequence = echoes::measure(&recording, parameters)?;
     let delays = parameters
         .delay_of_range(0.5 * SHOWN_M)
         .min(parameters.delays());

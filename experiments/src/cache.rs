@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 
 use crate::atomic;
-use crate::simulate::{Engine, Take};
+use crate::simulate::{Engine, IMAGE_ORDER, Take};
 
 /// Version of the files in the cache.
 const FORMAT: u32 = 1;
@@ -91,6 +91,9 @@ pub fn recording_key(scene: &Scene, take: &Take, engine_print: &str) -> Result<S
     key.value("free field", &take.free_field)?;
     if take.whole_domain {
         key.value("whole domain", &take.whole_domain)?;
+    }
+    if take.engine == Engine::ImageSource && take.image_order != usize::from(IMAGE_ORDER) {
+        key.value("image order", &take.image_order)?;
     }
     if take.stamped {
         key.value("stamped", &take.stamped)?;

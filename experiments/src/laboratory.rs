@@ -32,6 +32,8 @@ pub struct Request {
     pub cache: PathBuf,
     /// What computes the sound.
     pub engine: Engine,
+    /// Most reflections of an image source's echo.
+    pub image_order: usize,
     /// Parameters of the localizer where the preset does not set them.
     pub parameters: Parameters,
     /// Simulations side by side; none to measure what is faster.
@@ -139,6 +141,7 @@ impl Laboratory {
     pub fn take(&self, path: &str, scheme: Option<Scheme>) -> Take {
         Take {
             scheme: scheme.filter(|_| self.has_field()),
+            image_order: self.request.image_order,
             ..Take::of(path, self.engine)
         }
     }

@@ -1,6 +1,6 @@
 //! `echolot bench`.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 
@@ -22,7 +22,8 @@ const MOST_THREADS: usize = 1024;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot bench --cells 1000x1000 --threads 2\n\n\
-    Without --json it also times the localizer's steps and writes results/bench/: bench.json, localizer.json, roofline.png."
+    Without --json it also times the subnormal numbers and the localizer's steps, and writes bench.json, localizer.json and roofline.png: \
+    the whole table into results/bench, one grid only where --output says."
 )]
 pub(crate) struct Arguments {
     /// One grid instead of squares from 256 to 8000 cells.
@@ -31,6 +32,9 @@ pub(crate) struct Arguments {
     /// Steps per row [default: about 1 s].
     #[arg(long, value_name = "N")]
     steps: Option<usize>,
+    /// Folder of the results [default: results/bench for the whole table, none for one grid].
+    #[arg(short, long, value_name = "DIR", conflicts_with = "json")]
+    output: Option<PathBuf>,
     /// Threads of the fast engine [default: rows for 1 and for all cores].
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -152,7 +156,10 @@ impl Arguments {
                 row.stage, row.running_ms, row.median_ms, row.p95_ms, row.limit_ms, row.paper_ms
             ));
         }
-        let folder = Path::new("results/bench");
+        let whole = self.cells.is_none().then(|| PathBuf::from("results/bench"));
+        let Some(folder) = self.output.or(whole) else {
+            return Ok(());
+        };
         let data = serde_json::json!({ "rows": rows, "peaks": peaks, "subnormal": subnormal });
         atomic::write(
             &folder.join("bench.json"),
@@ -162,7 +169,7 @@ impl Arguments {
             &folder.join("localizer.json"),
             &serde_json::to_vec_pretty(&steps)?,
         )?;
-        if let Some(picture) = figures::draw_bench(folder)? {
+        if let Some(picture) = figures::draw_bench(&folder)? {
             eprintln!("{}", picture.display());
         }
         Ok(())

@@ -10,7 +10,7 @@ use crate::check::targets::Targets;
 use crate::figures;
 use crate::laboratory::{Laboratory, Request};
 use crate::preset::Preset;
-use crate::simulate::Engine;
+use crate::simulate::{Engine, IMAGE_ORDER};
 use crate::study::{STUDIES, Study, run, table};
 
 /// Arguments of `run`.
@@ -36,6 +36,9 @@ pub(crate) struct Arguments {
     /// What computes the sound: the field, or image sources (approximate, seconds).
     #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
     engine: Engine,
+    /// Most reflections of an echo by image sources.
+    #[arg(long, value_name = "N", default_value_t = IMAGE_ORDER, value_parser = clap::value_parser!(u8).range(1..=6))]
+    image_order: u8,
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
@@ -84,6 +87,7 @@ impl Arguments {
             cache: self.cache.unwrap_or_else(|| self.results.join("cache")),
             results: self.results,
             engine: self.engine,
+            image_order: usize::from(self.image_order),
             parameters: self.parameters.read()?,
             side_by_side: self.side_by_side,
         })?;

@@ -16,7 +16,9 @@ use crate::atomic;
 use crate::progress::{Board, duration};
 use crate::robot::Robot;
 use crate::schedule;
-use crate::simulate::{self, Checkpoint, Engine, ODOMETRY_BIAS_RADPS, Running, Snapshots, Take};
+use crate::simulate::{
+    self, Checkpoint, Engine, IMAGE_ORDER, ODOMETRY_BIAS_RADPS, Running, Snapshots, Take,
+};
 
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -54,6 +56,9 @@ pub(crate) struct Arguments {
     /// What computes the sound: the field, or image sources (approximate, seconds).
     #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
     engine: Engine,
+    /// Most reflections of an echo by image sources.
+    #[arg(long, value_name = "N", default_value_t = IMAGE_ORDER, value_parser = clap::value_parser!(u8).range(1..=6))]
+    image_order: u8,
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
@@ -100,6 +105,7 @@ impl Arguments {
             );
         }
         Ok(Take {
+            image_order: usize::from(self.image_order),
             scheme: self.scheme,
             spread: self.spread,
             wall_model: self.walls,

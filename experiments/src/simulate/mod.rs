@@ -19,7 +19,7 @@ use crate::progress::Task;
 
 pub use self::print::engine_print;
 pub use self::recording::{absorbed, recording, simulation_seconds, tell_air};
-pub use self::take::{Engine, ODOMETRY_BIAS_RADPS, Take};
+pub use self::take::{Engine, IMAGE_ORDER, ODOMETRY_BIAS_RADPS, Take};
 
 /// Pause between two checkpoints.
 const CHECKPOINT_PERIOD: Duration = Duration::from_secs(60);
@@ -145,6 +145,7 @@ fn image_signal(scene: &Scene, take: &Take) -> Result<Vec<f32>> {
         &scene.medium,
         scene.sample_rate_hz,
         &ImageSourceOptions {
+            max_order: take.image_order,
             stamped: take.stamped,
             ..ImageSourceOptions::default()
         },

@@ -9,13 +9,16 @@ use serde::{Deserialize, Serialize};
 /// Steady error of the odometry's turn rate in the paper's simulation, rad/s.
 pub const ODOMETRY_BIAS_RADPS: f64 = 0.01;
 
+/// Most reflections of an image source's echo unless something else is asked for: those that the paper's Fig. 8 shows.
+pub const IMAGE_ORDER: u8 = 2;
+
 /// What computes the sound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
     /// The sound field by finite differences.
     Fdtd,
-    /// Image sources up to second order: seconds instead of minutes, without diffraction.
+    /// Image sources: seconds instead of minutes, without diffraction.
     ImageSource,
 }
 
@@ -36,6 +39,9 @@ pub struct Take {
     pub path: String,
     /// What computes the sound.
     pub engine: Engine,
+    /// Most reflections of an image source's echo; nothing to the field, which has all of them.
+    #[serde(skip)]
+    pub image_order: usize,
     /// Scheme of the field; the scene's when absent.
     #[serde(skip)]
     pub scheme: Option<Scheme>,
@@ -63,6 +69,7 @@ impl Take {
         Self {
             path: path.to_string(),
             engine,
+            image_order: usize::from(IMAGE_ORDER),
             scheme: None,
             spread: None,
             stamped: false,

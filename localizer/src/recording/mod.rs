@@ -4,13 +4,13 @@
 //! ([`RecordingMeta`]) and, if known, `truth.tum` (true poses) and `direct.wav` (the same drive without walls). Time 0 is
 //! the first sample, which is also the first of a period of the transmitted signal.
 
+mod meta;
 pub mod odometry;
 pub mod wav;
 
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-
+pub use meta::RecordingMeta;
 pub use odometry::OdometrySample;
 
 use crate::error::Error;
@@ -18,70 +18,6 @@ use crate::files;
 use crate::parameters::Parameters;
 use crate::pose::{Odometry, Pose};
 use crate::trajectory::Trajectory;
-
-/// What `recording.json` tells about a recording.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RecordingMeta {
-    /// Sampling frequency f_s of the signal in Hz.
-    pub sample_rate_hz: f64,
-    /// Chips L of the transmitted M-sequence.
-    pub code_length: usize,
-    /// Chip rate 1/T_c in Hz.
-    pub chip_rate_hz: f64,
-    /// Carrier frequency f_c in Hz.
-    pub carrier_hz: f64,
-    /// Speed of sound in m/s.
-    pub speed_of_sound_mps: f64,
-    /// Pose at time 0, if known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub start: Option<Pose>,
-    /// Place of the loudspeaker on the robot, `[forward, left]` in metres.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub loudspeaker_offset_m: [f64; 2],
-    /// Place of the microphone on the robot, `[forward, left]` in metres.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub microphone_offset_m: [f64; 2],
-    /// What the clock of `odometry.csv` showed at the first sample of the signal, in seconds.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub odometry_clock_s: f64,
-    /// What the clock of `truth.tum` showed at the first sample of the signal, in seconds.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub truth_clock_s: f64,
-    /// Where the recording comes from, in any form.
-    #[serde(default, skip_serializing_if = "serde_json::Value::is_null")]
-    pub provenance: serde_json::Value,
-}
-
-/// Whether a field has its default and need not be written.
-fn is_zero<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
-}
-
-impl RecordingMeta {
-    /// The middle between loudspeaker and microphone on the robot.
-    pub fn sensor_offset_m(&self) -> [f64; 2] {
-        let (one, other) = (self.loudspeaker_offset_m, self.microphone_offset_m);
-        [0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1])]
-    }
-
-    /// The waveform and the speed of sound of `parameters`, without start and provenance.
-    pub fn from_parameters(parameters: &Parameters) -> Self {
-        Self {
-            sample_rate_hz: parameters.sample_rate_hz,
-            code_length: parameters.code_length,
-            chip_rate_hz: parameters.chip_rate_hz,
-            carrier_hz: parameters.carrier_hz,
-            speed_of_sound_mps: parameters.speed_of_sound_mps,
-            start: None,
-            loudspeaker_offset_m: [0.0; 2],
-            microphone_offset_m: [0.0; 2],
-            odometry_clock_s: 0.0,
-            truth_clock_s: 0.0,
-            provenance: serde_json::Value::Null,
-        }
-    }
-}
 
 /// Signal, odometry and, if known, truth of one drive.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,19 +2,16 @@
 //!
 //! For each direction pi n / N_theta the block is resampled at the ratio that cancels the Doppler effect of an echo from
 //! there, eq. (2) and (3), its M periods are added up, and one period of the sum is correlated with the transmitted one,
-//! eq. (1). The envelope of the correlation is the magnitude of its analytic signal, which costs nothing in the frequency
-//! domain: the spectrum's negative half is left out.
+//! eq. (1).
 //!
-//! The transmitted signal is periodic, so the correlation is circular with L_s lags. Resampling about the block's centre
+//! Resampling about the block's centre
 //! leaves an echo at the delay that it has there; the lag is then the delay itself, because a block starts with a period.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 use ndarray::Array2;
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
 
+use crate::correlation::{Correlator, CorrelatorScratch};
 use crate::error::Error;
 use crate::parameters::{Parameters, TimeReference};
 use crate::resample::{Branches, Resampler};
@@ -25,6 +22,8 @@ pub struct DopplerBank {
     period: usize,
     block_length: usize,
     delays: usize,
+    /// Lags whose envelopes are needed.
+    lags: usize,
     directions: usize,
     /// Delays to both sides over which the largest envelope counts.
     pool: usize,
@@ -32,20 +31,15 @@ pub struct DopplerBank {
     /// Position in the block, in samples, that the resampling leaves in place.
     origin: f64,
     resampler: Resampler,
-    forward: Arc<dyn Fft<f32>>,
-    inverse: Arc<dyn Fft<f32>>,
-    /// Conjugate spectrum of one transmitted period, lines 1 to L_s/2, scaled so that an echo of amplitude 1 gives 1.
-    replica: Vec<Complex<f32>>,
+    correlator: Correlator,
 }
 
 /// Buffers of [`DopplerBank::measure`], owned by the caller and reused from block to block.
 pub struct DopplerScratch {
     branches: Branches,
     folded: [Vec<f32>; 2],
-    spectrum: Vec<Complex<f32>>,
-    analytic: Vec<Complex<f32>>,
-    envelope: Vec<f32>,
-    work: Vec<Complex<f32>>,
+    correlation: CorrelatorScratch,
+    envelopes: [Vec<f32>; 2],
 }
 
 impl DopplerBank {
@@ -57,39 +51,35 @@ impl DopplerBank {
         parameters.check()?;
         let period = parameters.samples_per_period();
         let block_length = parameters.periods * period;
-        let mut planner = FftPlanner::<f32>::new();
+        let (delays, pool) = (
+            parameters.delays(),
+            parameters.delay_of_range(parameters.range_pool_m),
+        );
+        let lags = (delays + pool).min(period);
         Ok(Self {
             period,
             block_length,
-            delays: parameters.delays(),
+            delays,
+            lags,
             directions: parameters.directions,
-            pool: parameters.delay_of_range(parameters.range_pool_m),
+            pool,
             speed_of_sound_mps: parameters.speed_of_sound_mps,
             origin: match parameters.time_reference {
                 TimeReference::Centre => 0.5 * block_length as f64,
                 TimeReference::Start => 0.0,
             },
             resampler: Resampler::new(block_length),
-            forward: planner.plan_fft_forward(period),
-            inverse: planner.plan_fft_inverse(period),
-            replica: matched_filter(&transmit_period(parameters), parameters.periods),
+            correlator: Correlator::new(&transmit_period(parameters), parameters.periods, lags),
         })
     }
 
     /// Buffers for [`Self::measure`].
     pub fn scratch(&self) -> DopplerScratch {
-        let zero = Complex::new(0.0, 0.0);
-        let work = self
-            .forward
-            .get_inplace_scratch_len()
-            .max(self.inverse.get_inplace_scratch_len());
         DopplerScratch {
             branches: self.resampler.branches(),
             folded: [vec![0.0; self.period], vec![0.0; self.period]],
-            spectrum: vec![zero; self.period],
-            analytic: vec![zero; self.period],
-            envelope: vec![0.0; (self.delays + self.pool).min(self.period)],
-            work: vec![zero; work],
+            correlation: self.correlator.scratch(),
+            envelopes: [vec![0.0; self.lags], vec![0.0; self.lags]],
         }
     }
 
@@ -123,7 +113,7 @@ impl DopplerBank {
     ) {
         self.resampler.prepare(block, &mut scratch.branches);
         for first in (0..=self.directions).step_by(2) {
-            // Two real signals share one complex transform.
+            // Two directions share the transforms.
             let pair = first..=(first + 1).min(self.directions);
             for (direction, folded) in pair.clone().zip(&mut scratch.folded) {
                 self.resampler.fold(
@@ -133,40 +123,18 @@ impl DopplerBank {
                     folded,
                 );
             }
-            let [real, imaginary] = &scratch.folded;
-            for ((line, &re), &im) in scratch.spectrum.iter_mut().zip(real).zip(imaginary) {
-                *line = Complex::new(re, im);
-            }
-            self.forward
-                .process_with_scratch(&mut scratch.spectrum, &mut scratch.work);
-            for direction in pair {
-                self.correlate(&scratch.spectrum, direction % 2 == 1, &mut scratch.analytic);
-                self.inverse
-                    .process_with_scratch(&mut scratch.analytic, &mut scratch.work);
-                for (out, value) in scratch.envelope.iter_mut().zip(&scratch.analytic) {
-                    *out = (value.re * value.re + value.im * value.im).sqrt();
-                }
+            self.correlator.envelopes(
+                &scratch.folded,
+                &mut scratch.correlation,
+                &mut scratch.envelopes,
+            );
+            for (direction, envelope) in pair.zip(&scratch.envelopes) {
                 pool(
-                    &scratch.envelope,
+                    envelope,
                     self.pool,
                     intensity.row_mut(direction).into_slice(),
                 );
             }
-        }
-    }
-
-    /// One-sided spectrum of the correlation of one of the two signals whose joint spectrum is given.
-    fn correlate(&self, joint: &[Complex<f32>], second: bool, analytic: &mut [Complex<f32>]) {
-        analytic.fill(Complex::new(0.0, 0.0));
-        for (index, weight) in self.replica.iter().enumerate() {
-            let line = index + 1;
-            let (here, mirrored) = (joint[line], joint[self.period - line].conj());
-            let own = if second {
-                (here - mirrored) * Complex::new(0.0, -0.5)
-            } else {
-                (here + mirrored) * 0.5
-            };
-            analytic[line] = own * weight;
         }
     }
 }
@@ -190,24 +158,6 @@ fn pool(envelope: &[f32], reach: usize, pooled: Option<&mut [f32]>) {
             *value = if other > *value { other } else { *value };
         }
     }
-}
-
-/// Conjugate spectrum of the transmitted period with the scale of the inverse transform, the sum over M periods and the
-/// analytic signal (factor 2); the mean and the line at half the sample rate carry no envelope and are left out.
-fn matched_filter(transmitted: &[f64], periods: usize) -> Vec<Complex<f32>> {
-    let mut spectrum: Vec<Complex<f64>> = transmitted
-        .iter()
-        .map(|&sample| Complex::new(sample, 0.0))
-        .collect();
-    FftPlanner::new()
-        .plan_fft_forward(spectrum.len())
-        .process(&mut spectrum);
-    let energy: f64 = transmitted.iter().map(|sample| sample * sample).sum();
-    let scale = 2.0 / (energy * periods as f64 * transmitted.len() as f64);
-    spectrum[1..transmitted.len().div_ceil(2)]
-        .iter()
-        .map(|line| Complex::new((line.re * scale) as f32, (-line.im * scale) as f32))
-        .collect()
 }
 
 #[cfg(test)]

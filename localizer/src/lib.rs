@@ -21,6 +21,7 @@
 //! arrival are measured from the heading, 0 to pi; time 0 is the first sample of the first period.
 
 pub mod beacons;
+mod correlation;
 pub mod dead_reckoning;
 pub mod direct_wave;
 pub mod doppler;
@@ -48,6 +49,7 @@ mod sheets;
 pub mod tracker;
 pub mod trajectory;
 pub mod waveform;
+mod wide;
 
 pub use crate::localizer::Localizer;
 pub use echoes::{EchoBlock, EchoSequence};

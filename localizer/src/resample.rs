@@ -12,6 +12,8 @@ use std::sync::Arc;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
+use crate::wide::wide;
+
 /// Polynomial coefficients in the fraction of a sample.
 const BRANCHES: usize = 8;
 
@@ -130,14 +132,7 @@ impl Resampler {
         self.forward
             .process_with_scratch(&mut branches.spectrum, &mut branches.work);
         for (pair, filter) in self.pairs.iter().enumerate() {
-            for ((product, value), weight) in branches
-                .product
-                .iter_mut()
-                .zip(&branches.spectrum)
-                .zip(filter)
-            {
-                *product = value * weight;
-            }
+            multiply(&branches.spectrum, filter, &mut branches.product);
             self.inverse
                 .process_with_scratch(&mut branches.product, &mut branches.work);
             // Signals start MARGIN samples before the block: the end of the circular transform.
@@ -146,13 +141,9 @@ impl Resampler {
                 self.transform_length - MARGIN,
             );
             let head = &branches.product[tail..];
-            for (part, signal) in branches.signals[2 * pair..2 * pair + 2]
-                .iter_mut()
-                .enumerate()
-            {
-                for (out, value) in signal.iter_mut().zip(head.iter().chain(body)) {
-                    *out = if part == 0 { value.re } else { value.im };
-                }
+            if let [real, imaginary] = &mut branches.signals[2 * pair..2 * pair + 2] {
+                separate(head, &mut real[..MARGIN], &mut imaginary[..MARGIN]);
+                separate(body, &mut real[MARGIN..], &mut imaginary[MARGIN..]);
             }
         }
     }
@@ -199,6 +190,28 @@ impl Resampler {
     }
 }
 
+/// The products of two spectra, line by line.
+pub(crate) fn multiply(
+    spectrum: &[Complex<f32>],
+    filter: &[Complex<f32>],
+    product: &mut [Complex<f32>],
+) {
+    wide(|| {
+        for ((product, value), weight) in product.iter_mut().zip(spectrum).zip(filter) {
+            *product = value * weight;
+        }
+    });
+}
+
+/// Real and imaginary parts.
+fn separate(values: &[Complex<f32>], real: &mut [f32], imaginary: &mut [f32]) {
+    wide(|| {
+        for ((value, re), im) in values.iter().zip(real).zip(imaginary) {
+            (*re, *im) = (value.re, value.im);
+        }
+    });
+}
+
 /// Adds the polynomial in the fraction `fraction + slope i` to every output i.
 fn accumulate(signals: &[Vec<f32>], from: usize, fraction: f64, slope: f64, target: &mut [f32]) {
     let count = target.len();
@@ -206,11 +219,13 @@ fn accumulate(signals: &[Vec<f32>], from: usize, fraction: f64, slope: f64, targ
     let part = |branch: usize| &signals[branch][from..from + count];
     let (s0, s1, s2, s3) = (part(0), part(1), part(2), part(3));
     let (s4, s5, s6, s7) = (part(4), part(5), part(6), part(7));
-    for (i, out) in target.iter_mut().enumerate() {
-        let u = fraction + slope * (i as i32 as f32);
-        let high = ((s7[i] * u + s6[i]) * u + s5[i]) * u + s4[i];
-        *out += (((high * u + s3[i]) * u + s2[i]) * u + s1[i]) * u + s0[i];
-    }
+    wide(|| {
+        for (i, out) in target.iter_mut().enumerate() {
+            let u = fraction + slope * (i as i32 as f32);
+            let high = ((s7[i] * u + s6[i]) * u + s5[i]) * u + s4[i];
+            *out += (((high * u + s3[i]) * u + s2[i]) * u + s1[i]) * u + s0[i];
+        }
+    });
 }
 
 /// Polynomial coefficients a_p(m) in u of the weight h(u - m) for every offset m from -HALF_WIDTH.
@@ -242,7 +257,7 @@ fn branch_coefficients() -> Vec<[f64; BRANCHES]> {
 }
 
 /// The smallest 2^a 3^b 5^c with a >= 6 that is not below `length`: quick to transform.
-fn fast_length(length: usize) -> usize {
+pub(crate) fn fast_length(length: usize) -> usize {
     let mut best = length.next_power_of_two().max(64);
     let mut fives = 64;
     while fives < best {

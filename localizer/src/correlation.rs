@@ -1,0 +1,174 @@
+//! Eq. (1): the correlation of one period of what was received with the transmitted one, and its envelope.
+//!
+//! The transmitted signal is periodic, so the correlation is circular with L_s lags, of which only those of the ranges asked for are
+//! wanted. A period is therefore continued by as many of its own samples as there are lags, and correlated linearly, by
+//! transforms of a length with small factors, whatever those of L_s are (4092 = 4 x 3 x 11 x 31: 6144 points take a third of its time).
+//!
+//! The envelope is the magnitude of the analytic signal, which the correlation with the analytic signal of the transmitted period is.
+//! Two real signals x and y share one transform, as x + i y: correlated with the analytic replica a they give c_x + i c_y, with the
+//! conjugate of a conj(c_x) + i conj(c_y), and sum and difference of the two tell them apart.
+
+use std::sync::Arc;
+
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftPlanner};
+
+use crate::resample::{fast_length, multiply};
+use crate::wide::wide;
+
+/// The transforms of one transmitted period, planned once.
+pub(crate) struct Correlator {
+    period: usize,
+    lags: usize,
+    forward: Arc<dyn Fft<f32>>,
+    inverse: Arc<dyn Fft<f32>>,
+    /// Conjugate spectra of the analytic replica and of its conjugate, scaled so that an echo of amplitude 1 gives 1.
+    replicas: [Vec<Complex<f32>>; 2],
+}
+
+/// Buffers of [`Correlator::envelopes`], owned by the caller and reused.
+pub(crate) struct CorrelatorScratch {
+    joint: Vec<Complex<f32>>,
+    products: [Vec<Complex<f32>>; 2],
+    work: Vec<Complex<f32>>,
+}
+
+impl Correlator {
+    /// Plans the correlation with `transmitted` over the first `lags` lags (at most a period of them). Signals are sums over
+    /// `periods` periods.
+    pub(crate) fn new(transmitted: &[f64], periods: usize, lags: usize) -> Self {
+        let period = transmitted.len();
+        let length = fast_length(period + lags.saturating_sub(1));
+        let energy: f64 = transmitted.iter().map(|sample| sample * sample).sum();
+        let scale = 0.5 / (energy * periods as f64 * length as f64);
+        let analytic = analytic(transmitted);
+        let exact = FftPlanner::new().plan_fft_forward(length);
+        let replicas = [1.0, -1.0].map(|sign| {
+            let mut taps = vec![Complex::new(0.0, 0.0); length];
+            for (tap, value) in taps.iter_mut().zip(&analytic) {
+                *tap = Complex::new(value.re, sign * value.im) * scale;
+            }
+            exact.process(&mut taps);
+            taps.iter()
+                .map(|line| Complex::new(line.re as f32, -line.im as f32))
+                .collect()
+        });
+        let mut planner = FftPlanner::new();
+        Self {
+            period,
+            lags,
+            forward: planner.plan_fft_forward(length),
+            inverse: planner.plan_fft_inverse(length),
+            replicas,
+        }
+    }
+
+    /// Buffers for [`Self::envelopes`].
+    pub(crate) fn scratch(&self) -> CorrelatorScratch {
+        let buffer = || vec![Complex::new(0.0, 0.0); self.forward.len()];
+        let (forward, inverse) = (&self.forward, &self.inverse);
+        let work = forward
+            .get_inplace_scratch_len()
+            .max(inverse.get_inplace_scratch_len());
+        CorrelatorScratch {
+            joint: buffer(),
+            products: [buffer(), buffer()],
+            work: vec![Complex::new(0.0, 0.0); work],
+        }
+    }
+
+    /// The envelopes of two signals of one period each, over the lags.
+    pub(crate) fn envelopes(
+        &self,
+        signals: &[Vec<f32>; 2],
+        scratch: &mut CorrelatorScratch,
+        envelopes: &mut [Vec<f32>; 2],
+    ) {
+        let CorrelatorScratch {
+            joint,
+            products,
+            work,
+        } = scratch;
+        let [first, second] = signals;
+        for ((value, &re), &im) in joint.iter_mut().zip(first).zip(second) {
+            *value = Complex::new(re, im);
+        }
+        joint.copy_within(..self.lags.saturating_sub(1), self.period);
+        joint[self.period + self.lags.saturating_sub(1)..].fill(Complex::new(0.0, 0.0));
+        self.forward.process_with_scratch(joint, work);
+        for (product, replica) in products.iter_mut().zip(&self.replicas) {
+            multiply(joint, replica, product);
+            self.inverse.process_with_scratch(product, work);
+        }
+        let [with, against] = &*products;
+        let [first, second] = envelopes;
+        let magnitude = |value: Complex<f32>| value.norm_sqr().sqrt();
+        wide(|| {
+            let pairs = with[..self.lags].iter().zip(against);
+            for ((one, other), (with, against)) in first.iter_mut().zip(second).zip(pairs) {
+                *one = magnitude(with + against.conj());
+                *other = magnitude(with - against.conj());
+            }
+        });
+    }
+}
+
+/// Analytic signal of a periodic signal. The mean and the line at half the sample rate carry no envelope and are left out.
+fn analytic(signal: &[f64]) -> Vec<Complex<f64>> {
+    let period = signal.len();
+    let mut planner = FftPlanner::new();
+    let mut lines: Vec<Complex<f64>> = signal.iter().map(|&s| Complex::new(s, 0.0)).collect();
+    planner.plan_fft_forward(period).process(&mut lines);
+    for (line, value) in lines.iter_mut().enumerate() {
+        let kept = (1..period.div_ceil(2)).contains(&line);
+        *value *= if kept { 2.0 / period as f64 } else { 0.0 };
+    }
+    planner.plan_fft_inverse(period).process(&mut lines);
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference;
+
+    /// The correlation by its sum, the envelope by the naive analytic signal.
+    fn plain(signal: &[f32], transmitted: &[f64], periods: usize) -> Vec<f64> {
+        let period = transmitted.len();
+        let energy: f64 = transmitted.iter().map(|sample| sample * sample).sum();
+        let correlation: Vec<f64> = (0..period)
+            .map(|lag| {
+                let products =
+                    (0..period).map(|k| f64::from(signal[(k + lag) % period]) * transmitted[k]);
+                products.sum::<f64>() / (energy * periods as f64)
+            })
+            .collect();
+        reference::envelope(&correlation)
+    }
+
+    #[test]
+    fn two_signals_at_once_have_the_envelopes_of_the_circular_sums() {
+        for (period, lags) in [(124, 50), (124, 124), (93, 1), (155, 154)] {
+            let transmitted: Vec<f64> = (0..period)
+                .map(|k| ((k * k) as f64 * 0.37).sin() + 0.2)
+                .collect();
+            let signals = [0.11, 0.73].map(|a: f32| -> Vec<f32> {
+                (0..period).map(|k| ((k * k) as f32 * a).cos()).collect()
+            });
+            let correlator = Correlator::new(&transmitted, 3, lags);
+            let mut scratch = correlator.scratch();
+            let mut envelopes = [vec![0.0; lags], vec![0.0; lags]];
+            for _ in 0..2 {
+                correlator.envelopes(&signals, &mut scratch, &mut envelopes);
+            }
+            for (signal, envelope) in signals.iter().zip(&envelopes) {
+                for (fast, slow) in envelope.iter().zip(plain(signal, &transmitted, 3)) {
+                    assert!(
+                        (f64::from(*fast) - slow).abs() < 1e-5,
+                        "{fast} is not {slow} at {period}, {lags}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -10,7 +10,7 @@ use crate::simulate::{self, Take};
 use crate::summary::{Engine, Summary};
 
 /// Wall-clock time of one measurement, seconds.
-const MEASURING_S: f64 = 3.0;
+const MEASURING_S: f64 = 1.5;
 
 /// Runs the study.
 pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {

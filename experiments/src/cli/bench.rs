@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use super::print_json;
+use super::output::print_json;
 use crate::bench::peaks::{self, Peaks};
 use crate::bench::{Row, SMALLEST, localizer, measure, subnormal};
 use crate::{atomic, figures, progress::Board};

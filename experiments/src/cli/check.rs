@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 
-use super::print_json;
+use super::output::{print, print_json};
 use crate::check::gate::{self, Baseline};
 use crate::check::targets::{Targets, Verdict};
 use crate::check::{CheckFailed, report};
@@ -66,7 +66,7 @@ impl Arguments {
             if json {
                 print_json(&judged)?;
             } else {
-                print!("{}", report::table(&judged));
+                print(&report::table(&judged))?;
                 eprintln!(
                     "{}; wrote {}",
                     report::count(&judged),
@@ -85,7 +85,7 @@ impl Arguments {
             if json {
                 print_json(&verdicts)?;
             } else {
-                print!("{}", gate::table(&verdicts));
+                print(&gate::table(&verdicts))?;
             }
             let failed = verdicts.iter().filter(|verdict| !verdict.passed).count();
             (failed, verdicts.len(), "measures worse than the baseline")

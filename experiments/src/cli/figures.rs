@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 
-use super::print_json;
+use super::output::{print, print_json};
 use crate::figures::{Drawn, draw_all, draw_bench};
 use crate::preset::Preset;
 
@@ -46,7 +46,7 @@ impl Arguments {
         }
         for drawn in drawn {
             match drawn {
-                Drawn::Picture(path) => println!("{}", path.display()),
+                Drawn::Picture(path) => print(&format!("{}\n", path.display()))?,
                 Drawn::Missing { figure, file } => {
                     eprintln!("left out {figure}: no {}", file.display())
                 }

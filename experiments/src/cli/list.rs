@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use super::print_json;
+use super::output::{print, print_json};
 use crate::check::aligned;
 use crate::study::STUDIES;
 
@@ -44,7 +44,6 @@ impl Arguments {
                 study.about.to_string(),
             ]
         }));
-        print!("{}", aligned(&rows));
-        Ok(())
+        print(&aligned(&rows))
     }
 }

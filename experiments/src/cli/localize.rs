@@ -6,7 +6,8 @@ use anyhow::Result;
 use clap::ValueEnum;
 use localizer::{Method, Pose, Recording, echoes, map_image, offline};
 
-use super::{ParameterArguments, print_json};
+use super::ParameterArguments;
+use super::output::{print, print_json};
 use crate::metrics::{mean, quantile, rounded};
 use crate::progress::Board;
 
@@ -116,7 +117,7 @@ impl Arguments {
             estimates.len()
         );
         match mae_m {
-            Some(mae_m) => println!("mean absolute position error {mae_m:.4} m"),
+            Some(mae_m) => print(&format!("mean absolute position error {mae_m:.4} m\n"))?,
             None => eprintln!("no truth.tum: no error to tell"),
         }
         Ok(())

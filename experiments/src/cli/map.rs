@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use localizer::{EchoSequence, Pose, Recording, echoes, map_image};
 
-use super::{ParameterArguments, print_json};
+use super::ParameterArguments;
+use super::output::print_json;
 use crate::interrupt;
 use crate::progress::Board;
 

@@ -6,6 +6,7 @@ mod figures;
 mod list;
 mod localize;
 mod map;
+mod output;
 mod run;
 mod scene;
 mod simulate;
@@ -16,7 +17,6 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 use localizer::Parameters;
-use serde::Serialize;
 
 /// Simulate, map and localize with Doppler-resolved echoes, and reproduce the papers' studies.
 ///
@@ -105,10 +105,4 @@ impl ParameterArguments {
 fn named<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
     serde_json::from_value(serde_json::Value::String(text.to_string()))
         .map_err(|error| error.to_string())
-}
-
-/// Prints a value as indented JSON.
-fn print_json(value: &impl Serialize) -> Result<()> {
-    println!("{}", serde_json::to_string_pretty(value)?);
-    Ok(())
 }

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 
-use super::{ParameterArguments, print_json};
+use super::ParameterArguments;
+use super::output::{print, print_json};
 use crate::check::report;
 use crate::check::targets::Targets;
 use crate::figures;
@@ -103,7 +104,7 @@ impl Arguments {
         if json {
             return print_json(&summary);
         }
-        print!("{}", table(&summary));
+        print(&table(&summary))?;
         eprintln!("results in {}", lab.results().display());
         Ok(())
     }

@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use clap::Subcommand;
 use fdtd::scene::Scene;
 
-use super::print_json;
+use super::output::{print, print_json};
 use crate::click;
 use crate::figures::field;
 use crate::figures::scene::draw;
@@ -111,18 +111,17 @@ fn check(scene: &Scene, json: bool) -> Result<()> {
             "paths": paths,
         }));
     }
-    println!("{}: ok", scene.name);
-    println!(
-        "  grid      {} x {} cells, {width_m} m x {height_m} m, Courant number {courant:.4}",
-        scene.grid.nx, scene.grid.ny
+    let mut text = format!(
+        "{}: ok\n  grid      {} x {} cells, {width_m} m x {height_m} m, Courant number {courant:.4}\n",
+        scene.name, scene.grid.nx, scene.grid.ny
     );
-    println!(
-        "  scheme    {}, {cells_per_wavelength:.2} cells per wavelength at {upper_hz} Hz",
-        scene.scheme.name()
+    text += &format!(
+        "  scheme    {}, {cells_per_wavelength:.2} cells per wavelength at {upper_hz} Hz\n  walls     {}\n",
+        scene.scheme.name(),
+        scene.walls.len()
     );
-    println!("  walls     {}", scene.walls.len());
     for (name, path) in &scene.paths {
-        println!("  path      {name}, {:.1} s", path.duration_s());
+        text += &format!("  path      {name}, {:.1} s\n", path.duration_s());
     }
-    Ok(())
+    print(&text)
 }

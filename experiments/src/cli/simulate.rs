@@ -11,7 +11,8 @@ use fdtd::spread::Spread;
 use fdtd::walls::WallModel;
 use localizer::recording::wav;
 
-use super::{named, print_json};
+use super::named;
+use super::output::print_json;
 use crate::atomic;
 use crate::progress::{Board, duration};
 use crate::robot::Robot;

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::Result;
 use fdtd::validation::Depth;
 
-use super::print_json;
+use super::output::{print, print_json};
 use crate::check::CheckFailed;
 use crate::progress::duration;
 use crate::validate;
@@ -37,7 +37,7 @@ impl Arguments {
                 return print_json(&pictures);
             }
             for picture in pictures {
-                println!("{}", picture.display());
+                print(&format!("{}\n", picture.display()))?;
             }
             return Ok(());
         }
@@ -49,7 +49,7 @@ impl Arguments {
         if json {
             print_json(&rows)?;
         } else {
-            print!("{}", validate::table(&rows));
+            print(&validate::table(&rows))?;
             eprintln!(
                 "wrote {} in {}",
                 folder.display(),

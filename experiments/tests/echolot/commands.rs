@@ -191,6 +191,23 @@ fn an_interrupted_simulation_goes_on_to_the_same_bytes() {
 }
 
 #[test]
+fn a_reader_that_has_had_enough_is_no_failure() {
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_echolot"))
+        .args(["scene", "schema"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.success() && complaint.is_empty(),
+        "{complaint}"
+    );
+}
+
+#[test]
 fn bench_prints_rows_and_names_bad_flags() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+/// From the package's folder, where build scripts run; relative, so that a copied build folder is not taken for up to date.
+const LOCALIZER: &str = "../localizer/src";
+
 fn main() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../localizer/src");
-    println!("cargo::rerun-if-changed={}", folder.display());
+    println!("cargo::rerun-if-changed={LOCALIZER}");
     let mut files = Vec::new();
-    collect(&folder, &mut files);
+    collect(Path::new(LOCALIZER), &mut files);
     files.sort();
     // FNV-1a, 64 bits.
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;

@@ -37,7 +37,11 @@ pub(crate) fn frame(scene: &Scene, path: &str, t_s: f64) -> Result<Frame> {
     still.paths.insert("still".to_string(), path);
     let band_hz = [0.0, scene.waveform.band_hz[1]];
     let waveform = burst.every(2.0 * end_s, band_hz, 1.0 / scene.grid.dt_s);
-    let options = SimulationOptions::default();
+    // A picture shows what passes beyond walls and drives too.
+    let options = SimulationOptions {
+        whole_domain: true,
+        ..SimulationOptions::default()
+    };
     let mut simulation = Simulation::new(&still, "still", &waveform, &options)?;
     simulation.run(&mut |_, _| Flow::Continue)?;
     let (columns, rows, pressures) = simulation.pressure_frame();

@@ -14,9 +14,11 @@ mod validate;
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{Parser, Subcommand};
 use localizer::Parameters;
+
+use crate::simulate::{Engine, IMAGE_ORDER};
 
 /// Simulate, map and localize with Doppler-resolved echoes, and reproduce the papers' studies.
 ///
@@ -79,6 +81,29 @@ impl Cli {
             Command::Validate(arguments) => arguments.run(json),
             Command::List(arguments) => arguments.run(json),
         }
+    }
+}
+
+/// What computes the sound.
+#[derive(Debug, Clone, Copy, clap::Args)]
+struct EngineArguments {
+    /// What computes the sound: the field, or image sources (approximate, seconds).
+    #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
+    engine: Engine,
+    /// Most reflections of an echo by image sources [default: 2].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=6))]
+    image_order: Option<u8>,
+}
+
+impl EngineArguments {
+    /// Most reflections of an image source's echo.
+    fn image_order(&self) -> Result<usize> {
+        if let (Engine::Fdtd, Some(order)) = (self.engine, self.image_order) {
+            bail!(
+                "--image-order {order}: is for image sources, the field has all reflections; add --engine image-source or leave it out"
+            );
+        }
+        Ok(usize::from(self.image_order.unwrap_or(IMAGE_ORDER)))
     }
 }
 

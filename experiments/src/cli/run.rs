@@ -4,14 +4,13 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 
-use super::ParameterArguments;
 use super::output::{print, print_json};
+use super::{EngineArguments, ParameterArguments};
 use crate::check::report;
 use crate::check::targets::Targets;
 use crate::figures;
 use crate::laboratory::{Laboratory, Request};
 use crate::preset::Preset;
-use crate::simulate::{Engine, IMAGE_ORDER};
 use crate::study::{STUDIES, Study, run, table};
 
 /// Arguments of `run`.
@@ -34,12 +33,8 @@ pub(crate) struct Arguments {
     /// Folder of the cache; `cache` in the results folder unless given.
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
-    /// What computes the sound: the field, or image sources (approximate, seconds).
-    #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
-    engine: Engine,
-    /// Most reflections of an echo by image sources.
-    #[arg(long, value_name = "N", default_value_t = IMAGE_ORDER, value_parser = clap::value_parser!(u8).range(1..=6))]
-    image_order: u8,
+    #[command(flatten)]
+    engine: EngineArguments,
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
@@ -87,8 +82,8 @@ impl Arguments {
             preset: self.preset,
             cache: self.cache.unwrap_or_else(|| self.results.join("cache")),
             results: self.results,
-            engine: self.engine,
-            image_order: usize::from(self.image_order),
+            engine: self.engine.engine,
+            image_order: self.engine.image_order()?,
             parameters: self.parameters.read()?,
             side_by_side: self.side_by_side,
         })?;

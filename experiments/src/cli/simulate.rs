@@ -11,15 +11,13 @@ use fdtd::spread::Spread;
 use fdtd::walls::WallModel;
 use localizer::recording::wav;
 
-use super::named;
 use super::output::print_json;
+use super::{EngineArguments, named};
 use crate::atomic;
 use crate::progress::{Board, duration};
 use crate::robot::Robot;
 use crate::schedule;
-use crate::simulate::{
-    self, Checkpoint, Engine, IMAGE_ORDER, ODOMETRY_BIAS_RADPS, Running, Snapshots, Take,
-};
+use crate::simulate::{self, Checkpoint, Engine, ODOMETRY_BIAS_RADPS, Running, Snapshots, Take};
 
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -54,12 +52,8 @@ pub(crate) struct Arguments {
     /// How walls become cells of the field, staircase or cut-cells; the scene's way unless given.
     #[arg(long, value_name = "MODEL", value_parser = wall_model)]
     walls: Option<WallModel>,
-    /// What computes the sound: the field, or image sources (approximate, seconds).
-    #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
-    engine: Engine,
-    /// Most reflections of an echo by image sources.
-    #[arg(long, value_name = "N", default_value_t = IMAGE_ORDER, value_parser = clap::value_parser!(u8).range(1..=6))]
-    image_order: u8,
+    #[command(flatten)]
+    engine: EngineArguments,
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
@@ -106,14 +100,14 @@ impl Arguments {
             );
         }
         Ok(Take {
-            image_order: usize::from(self.image_order),
+            image_order: self.engine.image_order()?,
             scheme: self.scheme,
             spread: self.spread,
             wall_model: self.walls,
             free_field: self.free_field,
             whole_domain: self.whole_domain,
             odometry_bias_radps: self.odometry_bias,
-            ..Take::of(&self.path, self.engine)
+            ..Take::of(&self.path, self.engine.engine)
         })
     }
 

@@ -208,6 +208,34 @@ fn a_reader_that_has_had_enough_is_no_failure() {
 }
 
 #[test]
+fn the_order_of_images_is_for_image_sources() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    scene_file(at);
+    let run = ["run", "layout", "--image-order", "4"];
+    assert!(refuse(at, &run).contains("--image-order 4"));
+    let simulate = |order: &'static str, engine: &[&'static str]| {
+        let drive = [
+            "simulate",
+            "room.json",
+            "--path",
+            "localization",
+            "-o",
+            order,
+        ];
+        [&drive[..], &["--image-order", order], engine].concat()
+    };
+    assert!(refuse(at, &simulate("3", &[])).contains("--image-order 3"));
+    let images = ["--engine", "image-source"];
+    assert_eq!(echolot(at, &simulate("9", &images)).status.code(), Some(2));
+    for order in ["1", "3"] {
+        expect(at, &simulate(order, &images));
+    }
+    let signal = |order: &str| std::fs::read(at.join(order).join("signal.wav")).unwrap();
+    assert_ne!(signal("1"), signal("3"));
+}
+
+#[test]
 fn bench_prints_rows_and_names_bad_flags() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

@@ -4,7 +4,7 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use fdtd::field::{FastField, Field, FieldSetup, Injection, ReferenceField, StepForcing};
+use fdtd::field::{FastField, Field, FieldSetup, Injection, ReferenceField, StepForcing, is_quiet};
 use fdtd::grid::{Grid, Medium};
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
@@ -42,7 +42,7 @@ fn setup(side: usize, scheme: Scheme) -> FieldSetup {
     FieldSetup::new(&grid, &medium, scheme, LAYER_CELLS, &mask.into())
 }
 
-fn forcing(side: usize) -> Vec<StepForcing> {
+fn forcing(scheme: Scheme, side: usize) -> Vec<StepForcing> {
     let at = |n: usize| {
         let x = 0.5 * side as f64 + 1e-3 * n as f64;
         let stencil = Spread::Kaiser8.stencil([x, 0.45 * side as f64]);
@@ -51,6 +51,7 @@ fn forcing(side: usize) -> Vec<StepForcing> {
             amplitude: (0.5 * n as f32).sin(),
         };
         StepForcing {
+            quiet: is_quiet(scheme, n as u64),
             injections: [injection; 2],
             receiver: stencil,
         }
@@ -63,8 +64,8 @@ fn engines(criterion: &mut Criterion) {
     group.sample_size(10);
     for side in SIDES {
         group.throughput(Throughput::Elements((side * side * STEPS) as u64));
-        let forcing = forcing(side);
         for scheme in Scheme::ALL {
+            let forcing = forcing(scheme, side);
             let fields: [(&str, Box<dyn Field>); 2] = [
                 (
                     "reference",

@@ -1,23 +1,21 @@
-//! Speed on numbers below the normal range of `f32` beside that on normal ones. Some processors take a hundred cycles for
-//! each operation on a subnormal number; ahead of the first wave front every run has a rim of them.
+//! Speed while the first wave front crosses a silent field, beside that of a field in full swing. Ahead of the front the field falls off through all
+//! magnitudes, and some processors take a hundred cycles for each operation on a subnormal number; quiet steps keep
+//! them away ([`fdtd::field::is_quiet`]). The third measurement leaves the quiet steps out.
 
 use anyhow::Result;
-use fdtd::field::{FastField, Field, FieldState, Injection, StepForcing};
+use fdtd::field::{FastField, Field, FieldState, StepForcing};
 use fdtd::scheme::Scheme;
-use fdtd::spread::Spread;
 use serde::Serialize;
 
 use super::stopwatch::Stopwatch;
 use crate::interrupt;
 
-/// Amplitude of the subnormal field, Pa: 7000 times the smallest number, a thousandth of the smallest normal one.
-const SUBNORMAL: f32 = 1e-41;
-/// Rounds of both ranges in turn; their sum counts.
-const ROUNDS: usize = 7;
+/// Rounds of all measurements in turn; their sum counts.
+const ROUNDS: usize = 5;
 /// Cells that a timed piece updates.
 const PIECE_CELLS: usize = 200_000_000;
 
-/// The fast engine on one thread with normal and with subnormal numbers, in time that the thread was running.
+/// The fast engine on one thread, in time that the thread was running.
 #[derive(Debug, Clone, Serialize)]
 pub struct Row {
     /// The scheme.
@@ -30,21 +28,27 @@ pub struct Row {
     pub steps: usize,
     /// Speed on numbers around 1, 10^9 cells per second.
     pub normal_gcells_per_s: f64,
-    /// Speed on subnormal numbers.
-    pub subnormal_gcells_per_s: f64,
-    /// Time with subnormal numbers over that with normal ones: 1 when they cost nothing.
+    /// Speed in the first steps of a source in silence.
+    pub start_gcells_per_s: f64,
+    /// The same without quiet steps.
+    pub loud_start_gcells_per_s: f64,
+    /// Time of the start over that on numbers around 1.
     pub time_ratio: f64,
-    /// Share of cells that are subnormal after the timed steps; the rest is zero, in walls and where the layer took it.
+    /// The same without quiet steps: what subnormal numbers cost on this machine.
+    pub loud_time_ratio: f64,
+    /// Share of cells that are subnormal after the start.
     pub subnormal_share: f64,
+    /// The same without quiet steps.
+    pub loud_subnormal_share: f64,
 }
 
-/// A field of noise around `amplitude`, the same for every amplitude.
-fn noise(state: &FieldState, amplitude: f32) -> FieldState {
+/// A field of noise around 1.
+fn noise(state: &FieldState) -> FieldState {
     let mut seed = 1_u32;
     let pressure: Vec<f32> = (0..state.pressure.len())
         .map(|_| {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            amplitude * ((seed >> 8) as f32 / 8_388_608.0 - 1.0)
+            (seed >> 8) as f32 / 8_388_608.0 - 1.0
         })
         .collect();
     FieldState {
@@ -54,18 +58,10 @@ fn noise(state: &FieldState, amplitude: f32) -> FieldState {
     }
 }
 
-/// Steps in which the source adds nothing.
-fn silence(nx: usize, ny: usize, steps: usize) -> Vec<StepForcing> {
-    let stencil = Spread::Kaiser8.stencil([0.5 * nx as f64, 0.5 * ny as f64]);
-    let injection = Injection {
-        stencil,
-        amplitude: 0.0,
-    };
-    let step = StepForcing {
-        injections: [injection; 2],
-        receiver: stencil,
-    };
-    vec![step; steps]
+fn subnormal_share(field: &FastField) -> f64 {
+    let pressure = field.state().pressure;
+    let count = pressure.iter().filter(|p| p.is_subnormal()).count();
+    count as f64 / pressure.len() as f64
 }
 
 /// Measures all schemes on one grid.
@@ -76,27 +72,35 @@ fn silence(nx: usize, ny: usize, steps: usize) -> Vec<StepForcing> {
 /// # Panics
 /// When a side has fewer than [`super::SMALLEST`] cells.
 pub fn measure(nx: usize, ny: usize, steps: Option<usize>) -> Result<Vec<Row>> {
-    let steps = steps.unwrap_or((PIECE_CELLS / (nx * ny)).clamp(8, 4096));
-    let forcing = silence(nx, ny, steps);
+    let steps = steps.unwrap_or((PIECE_CELLS / (nx * ny)).clamp(8, super::FORCING));
     let mut rows = Vec::new();
     for scheme in Scheme::ALL {
+        let quiet: Vec<StepForcing> = super::forcing(scheme, nx, ny)
+            .into_iter()
+            .cycle()
+            .take(steps)
+            .collect();
+        let mut loud = quiet.clone();
+        loud.iter_mut().for_each(|step| step.quiet = false);
         let mut field = FastField::new(super::setup(nx, ny, scheme), 1);
         let silent = field.state();
-        let states = [1.0, SUBNORMAL].map(|amplitude| noise(&silent, amplitude));
-        let mut seconds = [0.0_f64; 2];
+        let full = noise(&silent);
+        let cases = [(&full, &quiet), (&silent, &quiet), (&silent, &loud)];
+        let mut seconds = [0.0_f64; 3];
+        let mut shares = [0.0_f64; 3];
         let mut received = Vec::new();
         for _ in 0..ROUNDS {
-            for (state, seconds) in states.iter().zip(&mut seconds) {
+            for (case, (state, forcing)) in cases.into_iter().enumerate() {
                 interrupt::check()?;
                 field.set_state(state);
                 received.clear();
                 let stopwatch = Stopwatch::start();
-                field.advance(&forcing, &mut received);
-                *seconds += stopwatch.seconds();
+                field.advance(forcing, &mut received);
+                seconds[case] += stopwatch.seconds();
+                shares[case] = subnormal_share(&field);
             }
         }
-        let [normal, subnormal] = seconds.map(|seconds| seconds.max(1e-9) / ROUNDS as f64);
-        let left = field.state().pressure;
+        let [normal, start, loud_start] = seconds.map(|seconds| seconds.max(1e-9) / ROUNDS as f64);
         let rate = |seconds: f64| (nx * ny * steps) as f64 / seconds / 1e9;
         rows.push(Row {
             scheme: scheme.name(),
@@ -104,10 +108,12 @@ pub fn measure(nx: usize, ny: usize, steps: Option<usize>) -> Result<Vec<Row>> {
             ny,
             steps,
             normal_gcells_per_s: rate(normal),
-            subnormal_gcells_per_s: rate(subnormal),
-            time_ratio: subnormal / normal,
-            subnormal_share: left.iter().filter(|p| p.is_subnormal()).count() as f64
-                / left.len() as f64,
+            start_gcells_per_s: rate(start),
+            loud_start_gcells_per_s: rate(loud_start),
+            time_ratio: start / normal,
+            loud_time_ratio: loud_start / normal,
+            subnormal_share: shares[1],
+            loud_subnormal_share: shares[2],
         });
     }
     Ok(rows)
@@ -120,14 +126,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_field_stays_subnormal_while_it_is_timed() {
-        for row in measure(160, 150, Some(64)).unwrap() {
-            assert!(
-                row.subnormal_share > 0.4,
-                "{}: {}",
-                row.scheme,
-                row.subnormal_share
-            );
+    fn there_are_subnormal_numbers_without_quiet_steps_and_none_with_them() {
+        for row in measure(160, 150, Some(40)).unwrap() {
+            let [quiet, loud] = [row.subnormal_share, row.loud_subnormal_share];
+            assert!(loud > 0.002, "{}: {loud}", row.scheme);
+            assert!(quiet < 0.02 * loud, "{}: {quiet} and {loud}", row.scheme);
         }
     }
 }

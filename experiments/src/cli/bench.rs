@@ -12,7 +12,7 @@ use crate::{atomic, figures, progress::Board};
 /// Sides of the squares measured when no size is given.
 const SIDES: [usize; 6] = [256, 512, 1000, 2000, 4000, 8000];
 
-/// Grid of the comparison of subnormal and normal numbers when no size is given.
+/// Grid of the comparison of a field that starts with one in full swing when no size is given.
 const SUBNORMAL: (usize, usize) = (1000, 1000);
 
 /// More threads than any grid has strips for.
@@ -22,7 +22,7 @@ const MOST_THREADS: usize = 1024;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot bench --cells 1000x1000 --threads 2\n\n\
-    Without --json it also times the subnormal numbers and the localizer's steps, and writes bench.json, localizer.json and roofline.png: \
+    Without --json it also times the start of a field and the localizer's steps, and writes bench.json, localizer.json and roofline.png: \
     the whole table into results/bench, one grid only where --output says."
 )]
 pub(crate) struct Arguments {
@@ -145,8 +145,13 @@ impl Arguments {
         let subnormal = subnormal::measure(nx, ny, self.steps)?;
         for row in &subnormal {
             board.say(format!(
-                "{} {nx}x{ny} on subnormal numbers: {:.2} times the time of normal ones ({:.2} and {:.2} Gcell/s)",
-                row.scheme, row.time_ratio, row.subnormal_gcells_per_s, row.normal_gcells_per_s
+                "{} {nx}x{ny}, first {} steps from silence: {:.2} times the time of a field in full swing ({:.2} and {:.2} Gcell/s); without quiet steps {:.2} times",
+                row.scheme,
+                row.steps,
+                row.time_ratio,
+                row.start_gcells_per_s,
+                row.normal_gcells_per_s,
+                row.loud_time_ratio
             ));
         }
         let steps = localizer::measure()?;

@@ -1,6 +1,6 @@
 //! The plain engine: one sweep over the rows per step, nothing rearranged.
 
-use super::stencil::{Splat, layer};
+use super::stencil::{Number, Splat, layer, quieted};
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row};
 use crate::pml::Profile;
 use crate::scheme::Scheme;
@@ -45,8 +45,8 @@ impl ReferenceField {
         self.setup.nx + 2 * RIM
     }
 
-    /// Takes one step and leaves the new pressure in `now`.
-    fn step(&mut self) {
+    /// Takes one step, a quiet one or not, and leaves the new pressure in `now`.
+    fn step(&mut self, quiet: bool) {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
         {
@@ -54,17 +54,17 @@ impl ReferenceField {
             // slower.
             super::fast::with_avx2(
                 #[inline(always)]
-                || self.rows(),
+                || self.rows(quiet),
             );
             std::mem::swap(&mut self.now, &mut self.other);
             return;
         }
-        self.rows();
+        self.rows(quiet);
         std::mem::swap(&mut self.now, &mut self.other);
     }
 
     #[inline(always)]
-    fn rows(&mut self) {
+    fn rows(&mut self, quiet: bool) {
         let (nx, ny, stride) = (self.setup.nx, self.setup.ny, self.stride());
         let (cells, width) = (self.setup.layer.cells(), self.setup.layer.width());
         for iy in 0..ny {
@@ -105,7 +105,7 @@ impl ReferenceField {
                 let memory = &mut self.layer_y[at * 3 * nx..(at + 1) * 3 * nx];
                 let [lower, here, upper] = &self.layered;
                 let decay = |_| decay;
-                absorb([lower, here, upper], decay, memory, courant2, next);
+                absorb([lower, here, upper], decay, memory, courant2, quiet, next);
             }
             let sides = [(&self.setup.layer, 0), (&self.high, nx - width)];
             let memory = self.layer_x[iy * 6 * width..(iy + 1) * 6 * width]
@@ -125,15 +125,19 @@ impl ReferenceField {
                     decay,
                     memory,
                     courant2,
+                    quiet,
                     &mut next[first..first + width],
                 );
+            }
+            if quiet {
+                next.iter_mut().for_each(|p| *p = p.quiet());
             }
             for correction in &self.setup.walls.corrections[iy] {
                 let mut sum = 0.0_f32;
                 for &(dy, ix, weight) in &correction.entries {
                     sum = weight.mul_add(row(dy)[RIM + ix], sum);
                 }
-                next[correction.ix] += sum;
+                next[correction.ix] = quieted(next[correction.ix] + sum, quiet);
             }
             for surface in &self.setup.walls.surfaces[iy] {
                 let before = self.surfaces[surface.memory];
@@ -141,9 +145,10 @@ impl ReferenceField {
                 for &(dy, ix, weight) in &surface.taps {
                     after = weight.mul_add(row(dy)[RIM + ix], after);
                 }
+                let after = quieted(after, quiet);
                 self.surfaces[surface.memory] = after;
                 for &(ix, gain) in &surface.gains {
-                    next[ix] = gain.mul_add(before - after, next[ix]);
+                    next[ix] = quieted(gain.mul_add(before - after, next[ix]), quiet);
                 }
             }
             for &ix in &self.setup.walls.solid[iy] {
@@ -196,6 +201,7 @@ fn absorb(
     decay: impl Fn(usize) -> [f32; 3],
     memory: &mut [f32],
     courant2: f32,
+    quiet: bool,
     next: &mut [f32],
 ) {
     let n = next.len();
@@ -206,7 +212,7 @@ fn absorb(
     for i in 0..n {
         let slopes = [here[i] - lower[i], upper[i] - here[i]];
         let old = [memory_lower[i], memory_upper[i], memory_cell[i]];
-        let (new, change) = layer(slopes, decay(i), old);
+        let (new, change) = layer(slopes, decay(i), old, quiet);
         [memory_lower[i], memory_upper[i], memory_cell[i]] = new;
         next[i] = courant2.mul_add(change, next[i]);
     }
@@ -280,7 +286,7 @@ impl Field for ReferenceField {
     fn advance(&mut self, steps: &[StepForcing], received: &mut Vec<f32>) {
         let stride = self.stride();
         for forcing in steps {
-            self.step();
+            self.step(forcing.quiet);
             for injection in &forcing.injections {
                 let s = &injection.stencil;
                 for (j, wy) in s.wy.iter().enumerate() {

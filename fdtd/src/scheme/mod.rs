@@ -153,38 +153,28 @@ impl Scheme {
         }
     }
 
-    /// Largest stable Courant number, with or without rigid walls.
-    ///
-    /// The bound holds for the wall operator too: it uses the norm of each symmetrised term, not only the symbol on
-    /// the free lattice.
+    /// Largest stable Courant number, with or without rigid walls ([`Polynomial::is_stable`]).
     pub fn max_courant(self) -> f64 {
-        // Largest Courant number in `low..high` that is stable, all below it being so too.
-        let bisect = |[mut low, mut high]: [f64; 2], stable: &dyn Fn(f64) -> bool| {
+        static LIMITS: [OnceLock<f64>; 3] = [const { OnceLock::new() }; 3];
+        let limit = match self {
+            // Symbol 8 chi^2 <= 4, and a weight that rounding cannot move over it.
+            Self::Slf => return std::f64::consts::FRAC_1_SQRT_2,
+            Self::M13 => &LIMITS[0],
+            Self::O13 => &LIMITS[1],
+            Self::D25 => &LIMITS[2],
+        };
+        *limit.get_or_init(|| {
+            let [mut low, mut high] = [0.1, std::f64::consts::FRAC_1_SQRT_2];
             for _ in 0..60 {
                 let mid = 0.5 * (low + high);
-                if stable(mid) { low = mid } else { high = mid }
+                if self.polynomial(mid).is_stable() {
+                    low = mid;
+                } else {
+                    high = mid;
+                }
             }
             low
-        };
-        match self {
-            // Symbol 8 chi^2 <= 4.
-            Self::Slf => std::f64::consts::FRAC_1_SQRT_2,
-            // 8 chi^2 + 32 |square| + 16 |mixed| <= 4, solved once by bisection.
-            Self::M13 => bisect([0.1, 1.0], &|chi| {
-                let p = self.polynomial(chi);
-                8.0 * p.linear + 32.0 * p.square.abs() + 16.0 * p.mixed.abs() <= 4.0
-            }),
-            // A little below the bound's 4: rounding the coefficients must not matter.
-            Self::O13 | Self::D25 => {
-                static LIMITS: [OnceLock<f64>; 2] = [OnceLock::new(), OnceLock::new()];
-                *LIMITS[usize::from(self == Self::D25)].get_or_init(|| {
-                    bisect([0.1, 0.7], &|chi| {
-                        let largest = self.polynomial(chi).largest_eigenvalue();
-                        largest.is_some_and(|largest| largest <= 4.0 - 1e-3)
-                    })
-                })
-            }
-        }
+        })
     }
 
     /// The `f32` weights at Courant number `courant`.

@@ -1,5 +1,8 @@
 //! A scheme at one Courant number, before rounding: a polynomial in the two second differences.
 
+/// What is left of the bound of 4, so that rounding the coefficients does not matter.
+const ROUNDING: f64 = 1e-3;
+
 /// Coefficients of the polynomial in the second differences `A` and `B` (see [`super`]) that one step adds to
 /// `2 p^n - p^{n-1}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,28 +60,45 @@ impl Polynomial {
         })
     }
 
-    /// What minus the operator leaves of 4, over `linear`, whatever the walls: the first number `spare` times the identity, and the second,
-    /// `smooth`, times `8 - P - Q`. The leapfrog step stays stable while a positive form of at most that comes on top.
+    /// Bound of the largest eigenvalue of minus the operator, whatever the rigid walls: sharper than [`Self::largest_eigenvalue`] where the coefficients
+    /// have the signs that all schemes have. `None` when the operator might make energy.
+    pub fn bound(&self) -> Option<f64> {
+        self.bounds().map(|[largest, _]| largest)
+    }
+
+    /// [`Self::bound`], and how much smaller the operator is on smooth fields, see [`Self::slack`].
     ///
-    /// Sharper than [`Self::largest_eigenvalue`] where the coefficients have the signs that all schemes have. From `P^2 <= 4 P`,
-    /// `P^3 <= 16 P` and `(P - 4) Q (P - 4) >= 0` minus the operator is at most `l (P + Q) - m (PQ + QP)/2` with
+    /// From `P^2 <= 4 P`, `P^3 <= 16 P` and `(P - 4) Q (P - 4) >= 0` minus the operator is at most `l (P + Q) - m (PQ + QP)/2` with
     /// `l = linear - 4 square + 16 cube - 16 cross` and `m = mixed - 16 cross`. That is linear in P and in Q, so its largest eigenvalue is largest
     /// where both are 4 times projections; two projections fall apart into planes in which they meet at an angle of cosine C, where the
-    /// eigenvalues are `4 l (1 + C) - 8 m C (1 + C)`: at most `8 l - 16 m`, the symbol of the checkerboard, when `6 m <= l`. The same with
-    /// `6 m` for `l` says that minus the operator and `(l - 6 m) (8 - P - Q)` together stay within `8 l - 16 m`: only the checkerboard, where P + Q is 8,
-    /// comes near to it, and smooth fields leave much more.
-    pub fn slack(&self) -> [f64; 2] {
+    /// eigenvalues are `4 l (1 + C) - 8 m C (1 + C)`: at most `8 l - 16 m`, the symbol of the checkerboard, when `6 m <= l`.
+    fn bounds(&self) -> Option<[f64; 2]> {
+        let plain = self.largest_eigenvalue()?;
         let signs =
             self.square <= 0.0 && self.mixed >= 0.0 && self.cube >= 0.0 && self.cross <= 0.0;
         let sum = self.linear - 4.0 * self.square + 16.0 * self.cube - 16.0 * self.cross;
         let product = self.mixed - 16.0 * self.cross;
-        let [largest, smooth] = if signs && 6.0 * product <= sum {
+        Some(if signs && 6.0 * product <= sum {
             [8.0 * sum - 16.0 * product, sum - 6.0 * product]
         } else {
-            [self.largest_eigenvalue().unwrap_or(4.0), 0.0]
-        };
-        // Rounding the coefficients must not matter.
-        [(4.0 - 1e-3 - largest).max(0.0), smooth].map(|part| part / self.linear)
+            [plain, 0.0]
+        })
+    }
+
+    /// Whether the leapfrog step is stable between rigid walls of any shape, with a margin for the rounding of the coefficients.
+    pub fn is_stable(&self) -> bool {
+        self.bound()
+            .is_some_and(|largest| largest <= 4.0 - ROUNDING)
+    }
+
+    /// What minus the operator leaves of 4, over `linear`, whatever the walls: the first number `spare` times the identity, and the second,
+    /// `smooth`, times `8 - P - Q`. The leapfrog step stays stable while a positive form of at most that comes on top.
+    ///
+    /// The argument of the sharper bound with `6 m` for `l` says that minus the operator and `(l - 6 m) (8 - P - Q)` together stay within
+    /// `8 l - 16 m`: only the checkerboard, where P + Q is 8, comes near to it, and smooth fields leave much more.
+    pub fn slack(&self) -> [f64; 2] {
+        let [largest, smooth] = self.bounds().unwrap_or([4.0, 0.0]);
+        [(4.0 - ROUNDING - largest).max(0.0), smooth].map(|part| part / self.linear)
     }
 
     /// The first number of [`Self::slack`]: the spring that may be added to minus the operator in every cell, whatever the field.

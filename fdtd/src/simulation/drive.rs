@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 
 use super::Domain;
 use super::pieces::Piece;
-use crate::field::{Injection, StepForcing};
+use crate::field::{Injection, StepForcing, is_quiet};
+use crate::scheme::Scheme;
 use crate::spread::{Spread, Stencil};
 
 /// Source strength in m^2/s for a waveform of amplitude one: about 1 Pa at 1 m and 10 kHz.
@@ -22,6 +23,7 @@ type OfTime<T> = Box<dyn Fn(f64) -> T + Send + Sync>;
 /// A moving source, a moving receiver and what the source emits.
 pub struct Drive {
     spread: Spread,
+    scheme: Scheme,
     dx_m: f64,
     dt_s: f64,
     /// `rho c^2 dt / (2 dx^2)`.
@@ -53,6 +55,7 @@ impl Drive {
         let stiffness = medium.rho_kgpm3 * medium.c_mps * medium.c_mps;
         Self {
             spread: domain.spread,
+            scheme: domain.scheme,
             dx_m: grid.dx_m,
             dt_s: grid.dt_s,
             gain: stiffness * grid.dt_s / (2.0 * grid.dx_m * grid.dx_m),
@@ -121,6 +124,7 @@ impl Drive {
             self.stencil((self.receiver_m)((n + 1) as f64 * self.dt_s))
         };
         StepForcing {
+            quiet: is_quiet(self.scheme, step),
             injections: [
                 after,
                 Injection {

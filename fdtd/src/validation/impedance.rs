@@ -41,9 +41,11 @@ const WIDTH: usize = 96;
 /// Cells between the start of the grid and the duct.
 const SIDE: usize = 28;
 // Columns of the duct's end, of the line, and of the packet's middle at first.
-const END: usize = 1000;
-const LINE: usize = 600;
-const START: usize = 250;
+const END: usize = 620;
+const LINE: usize = 370;
+const START: usize = 160;
+/// Standard deviation of the packet along the duct, in cells.
+const SIGMA: f64 = 37.0;
 
 /// Spectrum at `frequency_hz` of what comes back of a mode from an end of an impedance, rigid when `None`.
 fn heard(
@@ -82,7 +84,7 @@ fn heard(
                 return 0.0;
             }
             let from = ix as f64 - START as f64;
-            let envelope = (-0.5 * ((from + group * early) / 60.0).powi(2)).exp();
+            let envelope = (-0.5 * ((from + group * early) / SIGMA).powi(2)).exp();
             let phase = along * from + omega * DT_S * early;
             (envelope * phase.cos() * shape(iy)) as f32
         };

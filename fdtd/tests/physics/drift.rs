@@ -13,7 +13,8 @@ use std::f64::consts::TAU;
 
 #[test]
 fn a_million_steps_do_not_drift() {
-    for scheme in Scheme::ALL {
+    // m13 is o13 with other weights.
+    for scheme in [Scheme::Slf, Scheme::O13, Scheme::D25] {
         let rig = closed_rig(scheme, 64);
         let tone = |t_s: f64| {
             if t_s < 2000.0 * DT_S {

@@ -49,6 +49,10 @@ fn the_reflection_factor_is_that_of_the_impedance() {
 fn the_echo_of_a_tilted_wall_is_the_rigid_one_times_the_factor() {
     for scheme in SCHEMES {
         for (tilt_deg, [allowed, _]) in TILTS {
+            // The other schemes at the worst tilts; `echolot validate` has them all.
+            if scheme != Scheme::O13 && tilt_deg != 10.0 && tilt_deg != 40.0 {
+                continue;
+            }
             let errors = tilted_impedance::errors(scheme, WallModel::CutCells, tilt_deg, 0.0, 0.37)
                 .expect("a finite field");
             println!("tilted impedance, {scheme}, {tilt_deg} degrees: {errors:?}");

@@ -8,8 +8,9 @@
 //! *Subnormal numbers.* Ahead of the first wave front the field falls off through all magnitudes to zero. Some processors take a hundred cycles
 //! for every operation on a number below the normal range, which made the first thousands of steps there ten times as slow as all others. A step that is
 //! [`StepForcing::quiet`] therefore sets to zero what is below [`QUIET_PA`] after 3, and again what 4 changes, and in the memories of layers and
-//! surfaces; [`is_quiet`] says when that must be. It is part of the step, not of an engine or a processor's mode, and far below the last digit of anything
-//! that is heard.
+//! surfaces; [`is_quiet`] says when that must be. It is part of the step, not of an engine or a processor's mode. What is taken is far below the last digit of anything
+//! that is heard; other roundings follow all the same, 120 dB below the signal. Long drives, to which the start is nothing, go without
+//! ([`crate::simulation`]).
 //!
 //! [`ReferenceField`] does this row by row in plain order and is the oracle of [`FastField`], which advances several
 //! steps at once in cache (see [`fast`]).

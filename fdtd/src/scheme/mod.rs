@@ -271,12 +271,11 @@ mod tests {
     #[test]
     fn the_wide_scheme_is_stable_below_its_limit_and_accurate_in_its_band() {
         let limit = Scheme::D25.max_courant();
-        assert!((0.59..0.61).contains(&limit), "{limit}");
+        assert!((0.69..0.70).contains(&limit), "{limit}");
         for part in 1..=40 {
             let courant = limit * f64::from(part) / 40.0;
             let polynomial = Scheme::D25.polynomial(courant);
-            let largest = polynomial.largest_eigenvalue();
-            assert!(largest.is_some_and(|most| most <= 4.0), "{courant}");
+            assert!(polynomial.is_stable(), "{courant}");
             for step in 1..=36 {
                 let omega_dt = courant * optimum::BAND_EDGE * f64::from(step) / 36.0;
                 for degrees in [0.0_f64, 10.0, 22.5, 35.0, 45.0] {

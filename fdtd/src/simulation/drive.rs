@@ -24,6 +24,7 @@ type OfTime<T> = Box<dyn Fn(f64) -> T + Send + Sync>;
 pub struct Drive {
     spread: Spread,
     scheme: Scheme,
+    quiet: bool,
     dx_m: f64,
     dt_s: f64,
     /// `rho c^2 dt / (2 dx^2)`.
@@ -56,6 +57,7 @@ impl Drive {
         Self {
             spread: domain.spread,
             scheme: domain.scheme,
+            quiet: true,
             dx_m: grid.dx_m,
             dt_s: grid.dt_s,
             gain: stiffness * grid.dt_s / (2.0 * grid.dx_m * grid.dx_m),
@@ -76,6 +78,11 @@ impl Drive {
         self.start = piece.start as i64;
         self.ramp = piece.ramp as i64;
         self.recent = None;
+    }
+
+    /// Whether some of the steps are quiet, see [`is_quiet`]; they are unless told otherwise.
+    pub(super) fn set_quiet(&mut self, quiet: bool) {
+        self.quiet = quiet;
     }
 
     fn stencil(&self, point_m: [f64; 2]) -> Stencil {
@@ -124,7 +131,7 @@ impl Drive {
             self.stencil((self.receiver_m)((n + 1) as f64 * self.dt_s))
         };
         StepForcing {
-            quiet: is_quiet(self.scheme, step),
+            quiet: self.quiet && is_quiet(self.scheme, step),
             injections: [
                 after,
                 Injection {

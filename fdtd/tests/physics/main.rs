@@ -20,6 +20,7 @@ mod free_field_pieces;
 mod half_plane;
 mod image_echo;
 mod impedance_wall;
+mod large_step;
 mod late_time;
 mod reciprocity;
 mod scene_echoes;

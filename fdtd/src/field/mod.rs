@@ -7,8 +7,8 @@
 //!
 //! *Subnormal numbers.* Ahead of the first wave front the field falls off through all magnitudes to zero. Some processors take a hundred cycles
 //! for every operation on a number below the normal range, which made the first thousands of steps there ten times as slow as all others. A step that is
-//! [`StepForcing::quiet`] therefore sets to zero what is below [`QUIET_PA`] after 3, and again what 4 changes, and in the memories of layers and
-//! surfaces; [`is_quiet`] says when that must be. It is part of the step, not of an engine or a processor's mode. What is taken is far below the last digit of anything
+//! [`StepForcing::quiet`] therefore sets to zero what is below [`QUIET_PA`]: in the layers' memory before 2, in the pressure after 3, and once more
+//! after 4 in the cells that 4 changed and in the surfaces' memory; [`is_quiet`] says when that must be. It is part of the step, not of an engine or a processor's mode. What is taken is far below the last digit of anything
 //! that is heard; other roundings follow all the same, 120 dB below the signal. Long drives, to which the start is nothing, go without
 //! ([`crate::simulation`]).
 //!
@@ -180,6 +180,16 @@ fn layer_row(cells: usize, ny: usize, iy: usize) -> Option<usize> {
         Some(iy + 2 * cells - ny)
     } else {
         None
+    }
+}
+
+/// Sets what is below [`QUIET_PA`] to zero.
+#[inline(always)]
+fn quieten(numbers: &mut [f32]) {
+    for number in numbers {
+        if number.abs() < QUIET_PA {
+            *number = 0.0;
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The plain engine: one sweep over the rows per step, nothing rearranged.
 
-use super::stencil::{Number, Splat, layer, quieted};
-use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row};
+use super::stencil::{Splat, layer};
+use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row, quieten};
 use crate::pml::Profile;
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
@@ -103,13 +103,19 @@ impl ReferenceField {
                     layered_row(scheme, &weights, at, layered);
                 }
                 let memory = &mut self.layer_y[at * 3 * nx..(at + 1) * 3 * nx];
+                if quiet {
+                    quieten(memory);
+                }
                 let [lower, here, upper] = &self.layered;
                 let decay = |_| decay;
-                absorb([lower, here, upper], decay, memory, courant2, quiet, next);
+                absorb([lower, here, upper], decay, memory, courant2, next);
             }
             let sides = [(&self.setup.layer, 0), (&self.high, nx - width)];
-            let memory = self.layer_x[iy * 6 * width..(iy + 1) * 6 * width]
-                .chunks_exact_mut(3 * width.max(1));
+            let memory = &mut self.layer_x[iy * 6 * width..(iy + 1) * 6 * width];
+            if quiet {
+                quieten(memory);
+            }
+            let memory = memory.chunks_exact_mut(3 * width.max(1));
             for ((profile, first), memory) in sides.into_iter().zip(memory) {
                 let at = |along: isize, across: isize| {
                     &row(across)[((RIM + first) as isize - 1 + along) as usize..]
@@ -125,19 +131,18 @@ impl ReferenceField {
                     decay,
                     memory,
                     courant2,
-                    quiet,
                     &mut next[first..first + width],
                 );
             }
             if quiet {
-                next.iter_mut().for_each(|p| *p = p.quiet());
+                quieten(next);
             }
             for correction in &self.setup.walls.corrections[iy] {
                 let mut sum = 0.0_f32;
                 for &(dy, ix, weight) in &correction.entries {
                     sum = weight.mul_add(row(dy)[RIM + ix], sum);
                 }
-                next[correction.ix] = quieted(next[correction.ix] + sum, quiet);
+                next[correction.ix] += sum;
             }
             for surface in &self.setup.walls.surfaces[iy] {
                 let before = self.surfaces[surface.memory];
@@ -145,10 +150,20 @@ impl ReferenceField {
                 for &(dy, ix, weight) in &surface.taps {
                     after = weight.mul_add(row(dy)[RIM + ix], after);
                 }
-                let after = quieted(after, quiet);
                 self.surfaces[surface.memory] = after;
                 for &(ix, gain) in &surface.gains {
-                    next[ix] = quieted(gain.mul_add(before - after, next[ix]), quiet);
+                    next[ix] = gain.mul_add(before - after, next[ix]);
+                }
+            }
+            if quiet {
+                for correction in &self.setup.walls.corrections[iy] {
+                    quieten(&mut next[correction.ix..=correction.ix]);
+                }
+                for surface in &self.setup.walls.surfaces[iy] {
+                    quieten(&mut self.surfaces[surface.memory..=surface.memory]);
+                    for &(ix, _) in &surface.gains {
+                        quieten(&mut next[ix..=ix]);
+                    }
                 }
             }
             for &ix in &self.setup.walls.solid[iy] {
@@ -201,7 +216,6 @@ fn absorb(
     decay: impl Fn(usize) -> [f32; 3],
     memory: &mut [f32],
     courant2: f32,
-    quiet: bool,
     next: &mut [f32],
 ) {
     let n = next.len();
@@ -212,7 +226,7 @@ fn absorb(
     for i in 0..n {
         let slopes = [here[i] - lower[i], upper[i] - here[i]];
         let old = [memory_lower[i], memory_upper[i], memory_cell[i]];
-        let (new, change) = layer(slopes, decay(i), old, quiet);
+        let (new, change) = layer(slopes, decay(i), old);
         [memory_lower[i], memory_upper[i], memory_cell[i]] = new;
         next[i] = courant2.mul_add(change, next[i]);
     }

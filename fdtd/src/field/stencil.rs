@@ -1,6 +1,5 @@
 //! The plain step of each scheme and the recursion of the absorbing layer, written once for a number or a vector of them.
 
-use super::QUIET_PA;
 use crate::scheme::Weights;
 
 /// What the stencils need of a number: `f32` in the reference engine, eight of them in the fast one. All operations
@@ -14,8 +13,6 @@ pub(super) trait Number: Copy {
     fn mul_add(self, factor: Self, term: Self) -> Self;
     /// `self * factor - term`, rounded once.
     fn mul_sub(self, factor: Self, term: Self) -> Self;
-    /// Zero where the magnitude is below [`QUIET_PA`].
-    fn quiet(self) -> Self;
 }
 
 impl Number for f32 {
@@ -43,16 +40,6 @@ impl Number for f32 {
     fn mul_sub(self, factor: Self, term: Self) -> Self {
         f32::mul_add(self, factor, -term)
     }
-    #[inline(always)]
-    fn quiet(self) -> Self {
-        if self.abs() < QUIET_PA { 0.0 } else { self }
-    }
-}
-
-/// [`Number::quiet`] in steps that are `quiet`.
-#[inline(always)]
-pub(super) fn quieted<N: Number>(value: N, quiet: bool) -> N {
-    if quiet { value.quiet() } else { value }
 }
 
 /// Weights as numbers of the engine.
@@ -187,23 +174,19 @@ pub(super) fn layer<N: Number>(
     [lower, upper]: [N; 2],
     decay: [N; 3],
     memory: LayerMemory<N>,
-    quiet: bool,
 ) -> (LayerMemory<N>, N) {
     let faces = [
-        face_memory(decay[0], memory[0], lower, quiet),
-        face_memory(decay[1], memory[1], upper, quiet),
+        face_memory(decay[0], memory[0], lower),
+        face_memory(decay[1], memory[1], upper),
     ];
-    let (zeta, change) = layer_cell([lower, upper], faces, decay[2], memory[2], quiet);
+    let (zeta, change) = layer_cell([lower, upper], faces, decay[2], memory[2]);
     ([faces[0], faces[1], zeta], change)
 }
 
 /// Memory of a face (or cell) with this decay after a step, from that before it and what drives it.
 #[inline(always)]
-pub(super) fn face_memory<N: Number>(decay: N, old: N, drive: N, quiet: bool) -> N {
-    quieted(
-        decay.mul_add(old, decay.sub(N::splat(1.0)).mul(drive)),
-        quiet,
-    )
+pub(super) fn face_memory<N: Number>(decay: N, old: N, drive: N) -> N {
+    decay.mul_add(old, decay.sub(N::splat(1.0)).mul(drive))
 }
 
 /// The cell's part of [`layer`], from the slopes, the memory of the faces after this step, and the cell's decay and memory before it:
@@ -214,9 +197,8 @@ pub(super) fn layer_cell<N: Number>(
     faces: [N; 2],
     decay: N,
     memory: N,
-    quiet: bool,
 ) -> (N, N) {
     let bend = faces[1].sub(faces[0]);
-    let zeta = face_memory(decay, memory, upper.sub(lower).add(bend), quiet);
+    let zeta = face_memory(decay, memory, upper.sub(lower).add(bend));
     (zeta, bend.add(zeta))
 }

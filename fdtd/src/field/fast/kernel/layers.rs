@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::super::super::layer_row;
-use super::super::super::stencil::{Splat, face_memory, layer_cell, quieted};
+use super::super::super::stencil::{Splat, face_memory, layer_cell};
 use super::super::Plan;
 use super::super::layout::Column;
 use super::sweep::Sweep;
@@ -24,7 +24,6 @@ pub(super) unsafe fn strips<V: Vector, S: Sweep<V>>(
     shared: Shared,
     levels: Levels,
     rows: Range<usize>,
-    quiet: bool,
 ) {
     // Rows of a layer along y apart from the others, whose loops are then short enough for the registers.
     let cells = plan.setup.layer.cells();
@@ -33,13 +32,13 @@ pub(super) unsafe fn strips<V: Vector, S: Sweep<V>>(
     // SAFETY: the caller's promise.
     unsafe {
         if rows.start < low {
-            strip_rows::<V, S, true>(plan, shared, levels, rows.start..low, quiet);
+            strip_rows::<V, S, true>(plan, shared, levels, rows.start..low);
         }
         if low < high {
-            strip_rows::<V, S, false>(plan, shared, levels, low..high, quiet);
+            strip_rows::<V, S, false>(plan, shared, levels, low..high);
         }
         if high < rows.end {
-            strip_rows::<V, S, true>(plan, shared, levels, high..rows.end, quiet);
+            strip_rows::<V, S, true>(plan, shared, levels, high..rows.end);
         }
     }
 }
@@ -54,7 +53,6 @@ unsafe fn strip_rows<V: Vector, S: Sweep<V>, const ALONG_Y: bool>(
     shared: Shared,
     levels: Levels,
     rows: Range<usize>,
-    quiet: bool,
 ) {
     let weights = &Splat::<V>::new(&plan.setup.weights);
     for column in &plan.layout.columns {
@@ -63,16 +61,16 @@ unsafe fn strip_rows<V: Vector, S: Sweep<V>, const ALONG_Y: bool>(
         unsafe {
             match column.layer {
                 Some((0, first)) => layer_column::<V, S, 0, ALONG_Y>(
-                    plan, shared, levels, weights, column.at, first, rows, quiet,
+                    plan, shared, levels, weights, column.at, first, rows,
                 ),
                 Some((_, first)) => layer_column::<V, S, 1, ALONG_Y>(
-                    plan, shared, levels, weights, column.at, first, rows, quiet,
+                    plan, shared, levels, weights, column.at, first, rows,
                 ),
-                None if column.foreign == 0 => plain_column::<V, S, true, ALONG_Y>(
-                    plan, shared, levels, weights, column, rows, quiet,
-                ),
+                None if column.foreign == 0 => {
+                    plain_column::<V, S, true, ALONG_Y>(plan, shared, levels, weights, column, rows)
+                }
                 None => plain_column::<V, S, false, ALONG_Y>(
-                    plan, shared, levels, weights, column, rows, quiet,
+                    plan, shared, levels, weights, column, rows,
                 ),
             }
         }
@@ -92,7 +90,6 @@ unsafe fn layer_column<V: Vector, S: Sweep<V>, const SIDE: usize, const ALONG_Y:
     x: usize,
     first: usize,
     rows: Range<usize>,
-    quiet: bool,
 ) {
     let stride = plan.layout.stride;
     let courant2 = V::splat(plan.setup.courant2);
@@ -116,7 +113,7 @@ unsafe fn layer_column<V: Vector, S: Sweep<V>, const SIDE: usize, const ALONG_Y:
         let mut memory = shared.layer_x.add(rows.start * memory_stride + first);
         for iy in rows {
             let mut p = S::cells(weights, now, stride, V::load(next));
-            if ALONG_Y && let Some(along_y) = LayerRow::new(plan, shared, iy, quiet) {
+            if ALONG_Y && let Some(along_y) = LayerRow::new(plan, shared, iy) {
                 p = along_y.absorb::<V, S>(weights, now, 1, x, p, 0);
             }
             let here = S::layered(weights, now, 1, stride);
@@ -133,12 +130,12 @@ unsafe fn layer_column<V: Vector, S: Sweep<V>, const SIDE: usize, const ALONG_Y:
                 [inner, outer]
             };
             // Written out: a closure that is not inlined would call every vector instruction as a function.
-            let lower = face_memory(decay[0], old[0], slopes[0], quiet);
-            let upper = face_memory(decay[1], old[1], slopes[1], quiet);
-            let (zeta, change) = layer_cell(slopes, [lower, upper], decay[2], V::load(cell), quiet);
+            let lower = face_memory(decay[0], old[0], slopes[0]);
+            let upper = face_memory(decay[1], old[1], slopes[1]);
+            let (zeta, change) = layer_cell(slopes, [lower, upper], decay[2], V::load(cell));
             (if SIDE == 0 { lower } else { upper }).store(face);
             zeta.store(cell);
-            quieted(courant2.mul_add(change, p), quiet).store(next);
+            courant2.mul_add(change, p).store(next);
             now = now.add(stride);
             next = next.add(stride);
             memory = memory.add(memory_stride);
@@ -158,7 +155,6 @@ unsafe fn plain_column<V: Vector, S: Sweep<V>, const WHOLE: bool, const ALONG_Y:
     weights: &Splat<V>,
     column: &Column,
     rows: Range<usize>,
-    quiet: bool,
 ) {
     let stride = plan.layout.stride;
     let foreign = if WHOLE { 0 } else { column.foreign };
@@ -169,10 +165,9 @@ unsafe fn plain_column<V: Vector, S: Sweep<V>, const WHOLE: bool, const ALONG_Y:
             let (now, next) = (levels.now.add(at), levels.next.add(at));
             let past = V::load(next);
             let mut p = S::cells(weights, now, stride, past);
-            if ALONG_Y && let Some(along_y) = LayerRow::new(plan, shared, iy, quiet) {
+            if ALONG_Y && let Some(along_y) = LayerRow::new(plan, shared, iy) {
                 p = along_y.absorb::<V, S>(weights, now, 1, column.at, p, foreign);
             }
-            let p = quieted(p, quiet);
             let p = if WHOLE { p } else { p.after(past, foreign) };
             p.store(next);
         }
@@ -191,10 +186,9 @@ pub(super) unsafe fn along_y<V: Vector, S: Sweep<V>>(
     weights: &Splat<V>,
     vectors: Range<usize>,
     rows: Range<usize>,
-    quiet: bool,
 ) {
     for iy in rows {
-        let Some(layer) = LayerRow::new(plan, shared, iy, quiet) else {
+        let Some(layer) = LayerRow::new(plan, shared, iy) else {
             continue;
         };
         let row = (iy + plan.layout.halo) * plan.layout.stride;
@@ -224,7 +218,6 @@ struct LayerRow {
     courant2: f32,
     decay: [f32; 3],
     high: bool,
-    quiet: bool,
     /// Memory of its outer face.
     face: *mut f32,
 }
@@ -232,7 +225,7 @@ struct LayerRow {
 impl LayerRow {
     /// Row `iy`, if it belongs to a layer.
     #[inline(always)]
-    fn new(plan: &Plan, shared: Shared, iy: usize, quiet: bool) -> Option<Self> {
+    fn new(plan: &Plan, shared: Shared, iy: usize) -> Option<Self> {
         let decay = plan.row_decay[iy]?;
         let row = layer_row(plan.setup.layer.cells(), plan.setup.ny, iy)?;
         Some(Self {
@@ -240,7 +233,6 @@ impl LayerRow {
             courant2: plan.setup.courant2,
             decay,
             high: plan.memory_y.is_high(row),
-            quiet,
             face: shared.layer_y.wrapping_add(plan.memory_y.face(row)),
         })
     }
@@ -276,15 +268,15 @@ impl LayerRow {
             let faces = if self.high {
                 // The row below has left the new memory of the face between.
                 let lower = V::load(face.sub(2 * stride));
-                [lower, face_memory(decay[1], outer, slopes[1], self.quiet)]
+                [lower, face_memory(decay[1], outer, slopes[1])]
             } else {
                 let inner = V::load(face.add(2 * stride));
                 [
-                    face_memory(decay[0], outer, slopes[0], self.quiet),
-                    face_memory(decay[1], inner, slopes[1], self.quiet),
+                    face_memory(decay[0], outer, slopes[0]),
+                    face_memory(decay[1], inner, slopes[1]),
                 ]
             };
-            let (zeta, change) = layer_cell(slopes, faces, decay[2], old, self.quiet);
+            let (zeta, change) = layer_cell(slopes, faces, decay[2], old);
             let new = faces[usize::from(self.high)];
             if foreign == 0 {
                 new.store(face);

@@ -3,6 +3,7 @@
 //! * here: who runs which rows of which step, walls, source and receiver;
 //! * `sweep`, `slf`, `m13`, `d25`: the plain stencils;
 //! * `layers`: the strips beside the centre, and the absorbing layers;
+//! * `quiet`: small numbers set to zero;
 //! * `halo`: the cells that rows hold twice;
 //! * `instructions`: which instruction sets there are; `vector`: eight or sixteen numbers of one.
 //!
@@ -21,6 +22,7 @@ mod halo;
 mod instructions;
 mod layers;
 mod m13;
+mod quiet;
 mod slf;
 mod sweep;
 mod vector;
@@ -38,8 +40,8 @@ use self::sweep::Sweep;
 #[cfg(target_arch = "x86_64")]
 use self::vector::{Avx, Avx512};
 use self::vector::{Plain, Vector};
-use super::super::StepForcing;
-use super::super::stencil::{Splat, quieted};
+use super::super::stencil::Splat;
+use super::super::{StepForcing, quieten};
 use super::team::{Front, Team};
 use super::tiles::Tile;
 use super::{Line, Plan};
@@ -77,10 +79,6 @@ pub(super) type RowSums = [[AtomicU64; TAPS]];
 
 /// Rows whose strips and halos are done together: what they touch stays in the first-level cache.
 const EDGE_ROWS: usize = 8;
-
-/// Rows of the centre that a quiet step takes before it looks for small numbers in them, while they are in the first-level cache: a multiple of what the
-/// sweeps hold in registers together.
-const QUIET_ROWS: usize = 4;
 
 /// Where a tile stands among the others: its own front, and that of the tile above.
 type Fronts<'a> = (&'a Front, Option<&'a Front>);
@@ -261,42 +259,45 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     // SAFETY: rows lie in the grid, and the buffers have a rim of rows on both sides; within a row every offset comes
     // from the layout. The caller promises that nobody else touches what is written here.
     unsafe {
-        let quiet = forcing.quiet;
+        if forcing.quiet {
+            quiet::memory(plan, shared, rows.clone());
+        }
+        let start = (rows.start + layout.halo) * stride + layout.centre_at;
         let chunk = <S as Sweep<V>>::CHUNK / V::LANES;
-        let together = if quiet { QUIET_ROWS } else { rows.len() };
         for first in (0..layout.centre).step_by(chunk) {
+            let from = start + first * V::LANES;
             let vectors = chunk.min(layout.centre - first);
-            for iy in rows.clone().step_by(together) {
-                let few = iy..rows.end.min(iy + together);
-                let from = (iy + layout.halo) * stride + layout.centre_at + first * V::LANES;
-                let (now, next) = (levels.now.add(from), levels.next.add(from));
-                <S as Sweep<V>>::rows(weights, now, next, stride, vectors, few.len());
-                let count = few.len();
-                let columns = first..first + vectors;
-                layers::along_y::<V, S>(plan, shared, levels, weights, columns, few, quiet);
-                if quiet {
-                    sweep::quiet::<V>(next, stride, vectors, count);
-                }
-            }
+            <S as Sweep<V>>::rows(
+                weights,
+                levels.now.add(from),
+                levels.next.add(from),
+                stride,
+                vectors,
+                rows.len(),
+            );
+            let vectors = first..first + vectors;
+            layers::along_y::<V, S>(plan, shared, levels, weights, vectors, rows.clone());
         }
         // After the centre: the single cells of the halo that strips read were stored long ago by then.
         for iy in rows.clone() {
             if (iy - rows.start).is_multiple_of(EDGE_ROWS) {
                 let few = iy..rows.end.min(iy + EDGE_ROWS);
-                layers::strips::<V::Narrow, S>(plan, shared, levels, few, quiet);
+                layers::strips::<V::Narrow, S>(plan, shared, levels, few);
             }
             let at = (iy + layout.halo) * stride;
             let next = levels.next.add(at);
             let next = std::slice::from_raw_parts_mut(next, stride);
             let walls = &plan.walls[iy];
+            if forcing.quiet {
+                quieten(next);
+            }
             for correction in &walls.corrections {
                 let mut sum = 0.0_f32;
                 let entries = correction.first as usize..correction.end as usize;
                 for &(offset, weight) in &plan.entries[entries] {
                     sum = weight.mul_add(*levels.now.offset(at as isize + offset as isize), sum);
                 }
-                let p = &mut next[correction.at as usize];
-                *p = quieted(*p + sum, quiet);
+                next[correction.at as usize] += sum;
             }
             for surface in &walls.surfaces {
                 let velocity = shared.surfaces.add(surface.memory);
@@ -306,12 +307,14 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                     after =
                         weight.mul_add(*levels.now.offset(at as isize + offset as isize), after);
                 }
-                let after = quieted(after, quiet);
                 *velocity = after;
                 for &(offset, gain) in &surface.gains {
                     let p = &mut next[offset as usize];
-                    *p = quieted(gain.mul_add(before - after, *p), quiet);
+                    *p = gain.mul_add(before - after, *p);
                 }
+            }
+            if forcing.quiet {
+                quiet::walls(walls, shared, next);
             }
             for &solid in &walls.solid {
                 next[solid as usize] = 0.0;

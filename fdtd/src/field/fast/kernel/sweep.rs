@@ -38,20 +38,3 @@ pub(super) trait Sweep<V: Vector> {
     /// The cells and these neighbours must be readable.
     unsafe fn layered(weights: &Splat<V>, at: *const f32, along: usize, across: usize) -> V;
 }
-
-/// Sets what is small in rows of the centre to zero: `next` points to the first vector of the first row's part, `vectors` long.
-///
-/// # Safety
-/// These vectors must be inside the buffer and free for this thread.
-#[inline(always)]
-pub(super) unsafe fn quiet<V: Vector>(next: *mut f32, stride: usize, vectors: usize, rows: usize) {
-    for i in 0..rows {
-        for j in 0..vectors {
-            // SAFETY: the caller's promise.
-            unsafe {
-                let at = next.add(i * stride + j * V::LANES);
-                V::load(at).quiet().store(at);
-            }
-        }
-    }
-}

@@ -1,7 +1,6 @@
 //! Vectors of numbers: what the sweeps need of an instruction set.
 //! Loads and stores go through raw pointers; every function states what its caller promises.
 
-use super::super::super::QUIET_PA;
 use super::super::super::stencil::Number;
 use super::super::layout::{NARROW, WIDE};
 
@@ -96,10 +95,6 @@ impl Number for Plain {
             self.0[i].mul_add(factor.0[i], -term.0[i])
         }))
     }
-    #[inline(always)]
-    fn quiet(self) -> Self {
-        Self(self.0.map(Number::quiet))
-    }
 }
 
 /// Eight numbers in an AVX register. Only made inside functions compiled for AVX2 and FMA.
@@ -111,7 +106,7 @@ pub(super) struct Avx(std::arch::x86_64::__m256);
 mod avx {
     use std::arch::x86_64::*;
 
-    use super::{Avx, NARROW, Number, QUIET_PA, Vector};
+    use super::{Avx, NARROW, Number, Vector};
 
     impl Vector for Avx {
         const LANES: usize = NARROW;
@@ -189,15 +184,6 @@ mod avx {
             // SAFETY: see above.
             Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, term.0) })
         }
-        #[inline(always)]
-        fn quiet(self) -> Self {
-            // SAFETY: see above.
-            unsafe {
-                let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0);
-                let loud = _mm256_cmp_ps::<_CMP_NLT_UQ>(size, _mm256_set1_ps(QUIET_PA));
-                Self(_mm256_and_ps(loud, self.0))
-            }
-        }
     }
 }
 
@@ -210,7 +196,7 @@ pub(super) struct Avx512(std::arch::x86_64::__m512);
 mod avx512 {
     use std::arch::x86_64::*;
 
-    use super::{Avx512, Number, QUIET_PA, Vector, WIDE};
+    use super::{Avx512, Number, Vector, WIDE};
 
     impl Vector for Avx512 {
         const LANES: usize = WIDE;
@@ -284,15 +270,6 @@ mod avx512 {
         fn mul_sub(self, factor: Self, term: Self) -> Self {
             // SAFETY: see above.
             Self(unsafe { _mm512_fmsub_ps(self.0, factor.0, term.0) })
-        }
-        #[inline(always)]
-        fn quiet(self) -> Self {
-            // SAFETY: see above.
-            unsafe {
-                let size = _mm512_abs_ps(self.0);
-                let loud = _mm512_cmp_ps_mask::<_CMP_NLT_UQ>(size, _mm512_set1_ps(QUIET_PA));
-                Self(_mm512_maskz_mov_ps(loud, self.0))
-            }
         }
     }
 }

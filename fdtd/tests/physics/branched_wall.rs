@@ -31,7 +31,7 @@ fn the_reflection_factor_is_that_of_the_branches() {
     };
     let all = held(Scheme::O13).map(|case| (Scheme::O13, case, part));
     let others = [Scheme::Slf, Scheme::M13, Scheme::D25];
-    let highest = others.map(|scheme| held(scheme).last().map(|case| (scheme, case, whole)));
+    let highest = others.map(|scheme| held(scheme).next_back().map(|case| (scheme, case, whole)));
     for (scheme, (frequency_hz, [normal, .., grazing]), place) in
         all.chain(highest.into_iter().flatten())
     {

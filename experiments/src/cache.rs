@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use fdtd::scene::Scene;
+use fdtd::walls::Impedance;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
@@ -136,8 +137,12 @@ pub fn recording_key(scene: &Scene, take: &Take, engine_print: &str) -> Result<S
             let corners: Vec<f64> = wall.points_m.iter().flatten().copied().collect();
             key.numbers("wall", &corners);
             key.numbers("thickness", &[wall.thickness_m]);
-            let impedance = wall.impedance_pasm.unwrap_or(f64::INFINITY);
-            key.numbers("impedance", &[impedance]);
+            let rigid = || vec![f64::INFINITY];
+            let impedance = wall.impedance.as_ref();
+            key.numbers(
+                "impedance",
+                &impedance.map_or_else(rigid, Impedance::numbers),
+            );
         }
     }
     let steps = (path.duration_s() / PATH_STEP_S).floor() as usize;

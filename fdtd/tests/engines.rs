@@ -5,7 +5,7 @@ use fdtd::field::{FastField, Field, FieldSetup, Injection, ReferenceField, StepF
 use fdtd::grid::{Grid, Medium};
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
-use fdtd::walls::{SolidMask, Wall, WallModel};
+use fdtd::walls::{Branch, Impedance, SolidMask, Wall, WallModel};
 use proptest::prelude::*;
 
 const AIR: Medium = Medium {
@@ -44,9 +44,23 @@ fn slanted(lines: &[[f64; 4]]) -> Vec<Wall> {
     let wall = |&[x0, y0, x1, y1]: &[f64; 4]| Wall {
         points_m: vec![[x0, y0], [x1, y1], [y1, x0]],
         thickness_m: 0.012,
-        impedance_pasm: (x0 < 0.5).then_some(2000.0 * y0 + 1.0),
+        impedance: match x0 {
+            0.0..0.3 => Some(Impedance::Real(2000.0 * y0 + 1.0)),
+            0.3..0.6 => Some(Impedance::Branches(branches(y0, y1))),
+            _ => None,
+        },
     };
     lines.iter().map(wall).collect()
+}
+
+/// One to four branches, some without inertance or compliance.
+fn branches(one: f64, other: f64) -> Vec<Branch> {
+    let branch = |k: usize| Branch {
+        resistance_pasm: 500.0 * one,
+        inertance_kgpm2: f64::from(u8::from(!k.is_multiple_of(3))) * 0.02 * other,
+        stiffness_papm: f64::from(u8::from(k.is_multiple_of(2))) * 1e7 * one,
+    };
+    (0..=(4.0 * other) as usize).map(branch).collect()
 }
 
 /// A source and a receiver that cross the grid, with a waveform that fills the band.

@@ -37,7 +37,7 @@ fn a_wall_on_the_grid_has_the_cells_of_its_size() {
     let wall = Wall {
         points_m: vec![[0.1, 0.2], [0.3, 0.2]],
         thickness_m: 0.02,
-        impedance_pasm: None,
+        impedance: None,
     };
     let mask = rasterize(&GRID, &[wall]);
     assert_eq!(mask.solid_cells(), 160);
@@ -48,7 +48,7 @@ fn a_wall_on_the_grid_has_the_cells_of_its_size() {
     let column = Wall {
         points_m: vec![[0.2, 0.3], [0.2, 0.1]],
         thickness_m: 0.02,
-        impedance_pasm: None,
+        impedance: None,
     };
     assert_eq!(rasterize(&GRID, &[column]).solid_cells(), 160);
 }
@@ -71,7 +71,7 @@ fn closed_walls_are_tight_at_any_angle_and_minimal_thickness() {
             let closed = Wall {
                 points_m: points_m.clone(),
                 thickness_m: 0.01,
-                impedance_pasm: None,
+                impedance: None,
             };
             assert!(
                 !leaks(&rasterize(&GRID, &[closed]), (60, 60)),
@@ -82,7 +82,7 @@ fn closed_walls_are_tight_at_any_angle_and_minimal_thickness() {
             let open = Wall {
                 points_m,
                 thickness_m: 0.01,
-                impedance_pasm: None,
+                impedance: None,
             };
             assert!(leaks(&rasterize(&GRID, &[open]), (60, 60)));
         }
@@ -96,7 +96,7 @@ fn the_area_of_a_slanted_wall_is_right() {
         let wall = Wall {
             points_m: vec![[0.1, 0.1], [0.1 + 0.4 * cos, 0.1 + 0.4 * sin]],
             thickness_m: 0.02,
-            impedance_pasm: None,
+            impedance: None,
         };
         let area = rasterize(&GRID, &[wall]).solid_cells() as f64 * 2.5e-5;
         assert!((area - 0.008).abs() < 2.5e-4, "{area}");
@@ -108,13 +108,13 @@ fn walls_beyond_the_grid_are_cut_and_cells_found_again() {
     let wall = Wall {
         points_m: vec![[-1.0, 0.2], [9.0, 0.2]],
         thickness_m: 0.02,
-        impedance_pasm: None,
+        impedance: None,
     };
     assert_eq!(rasterize(&GRID, &[wall]).solid_cells(), 480);
     let far = Wall {
         points_m: vec![[-1e9, -5.0], [1e9, -5.0]],
         thickness_m: 0.02,
-        impedance_pasm: None,
+        impedance: None,
     };
     assert_eq!(rasterize(&GRID, &[far]).solid_cells(), 0);
     for (ix, iy) in [(0, 0), (119, 3), (57, 119)] {
@@ -129,14 +129,14 @@ fn lengths_and_joints() {
     let open = Wall {
         points_m: vec![[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]],
         thickness_m: 0.02,
-        impedance_pasm: None,
+        impedance: None,
     };
     assert_eq!(open.length_m(), 7.0);
     assert_eq!(open.joints_m().collect::<Vec<_>>(), vec![[3.0, 0.0]]);
     let closed = Wall {
         points_m: vec![[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [0.0, 0.0]],
         thickness_m: 0.02,
-        impedance_pasm: None,
+        impedance: None,
     };
     assert_eq!(closed.joints_m().count(), 3);
     assert!(closed.contains([0.0, 0.005]) && !closed.contains([1.0, 1.0]));
@@ -154,18 +154,18 @@ fn along_the_axes_on_cell_borders_both_models_are_the_same() {
         Wall {
             points_m: vec![[0.1, 0.2], [0.3, 0.2]],
             thickness_m: 0.02,
-            impedance_pasm: None,
+            impedance: None,
         },
         Wall {
             points_m: vec![[0.45, 0.5], [0.45, 0.095]],
             thickness_m: 0.03,
-            impedance_pasm: None,
+            impedance: None,
         },
         // Across the first.
         Wall {
             points_m: vec![[0.2, 0.1], [0.2, 0.4]],
             thickness_m: 0.02,
-            impedance_pasm: None,
+            impedance: None,
         },
     ];
     let (cut, stairs) = (cut(&GRID, &walls), rasterize(&GRID, &walls).into());
@@ -185,7 +185,7 @@ fn cut_cells_keep_the_area_of_the_air() {
         let wall = |from, to, thickness_m| Wall {
             points_m: vec![at(from), at(to)],
             thickness_m,
-            impedance_pasm: None,
+            impedance: None,
         };
         let whole = [wall(0.0, 0.4, 0.02)];
         // The same place in two walls that overlap, and a thinner one within them.
@@ -203,7 +203,7 @@ fn cut_cells_keep_the_area_of_the_air() {
     let bent = Wall {
         points_m: vec![[0.1, 0.3], [0.3, 0.34], [0.42, 0.2]],
         thickness_m: 0.02,
-        impedance_pasm: None,
+        impedance: None,
     };
     // Two rectangles and the round joint, less what they share: a kite on the inner side, and half of the disc.
     let turn = (0.12_f64.atan2(0.14) + 0.2_f64.atan2(0.04)) - std::f64::consts::PI;
@@ -228,7 +228,7 @@ fn faces_of_cut_cells_keep_the_spectrum_and_rows_sum_to_zero() {
     let wall = Wall {
         points_m,
         thickness_m: 0.011,
-        impedance_pasm: None,
+        impedance: None,
     };
     let cells = cut(&GRID, &[wall]);
     for (cell, opening) in cells.partial() {

@@ -128,7 +128,7 @@ pub fn signal(scene: &Scene, take: &Take, running: &Running<'_>, task: &Task) ->
 /// The signal by image sources. Without walls it is the direct wave, which a coincident pair does not have here.
 fn image_signal(scene: &Scene, take: &Take) -> Result<Vec<f32>> {
     let walls: &[fdtd::walls::Wall] = if take.free_field { &[] } else { &scene.walls };
-    if let Some(index) = walls.iter().position(|wall| wall.impedance_pasm.is_some()) {
+    if let Some(index) = walls.iter().position(|wall| wall.impedance.is_some()) {
         anyhow::bail!(
             "walls[{index}] has an impedance, but image sources know rigid walls only; use --engine fdtd or make it rigid"
         );

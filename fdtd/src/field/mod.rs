@@ -45,7 +45,7 @@ pub struct FieldSetup {
     pub courant2: f32,
     /// The absorbing layer on all four sides; zero cells for none (then the edge is pressure-free).
     pub layer: Profile,
-    /// Rigid walls.
+    /// Walls.
     pub walls: WallOperator,
 }
 
@@ -88,6 +88,7 @@ impl FieldSetup {
                 walls,
                 &scheme.polynomial(courant),
                 scheme.radius(),
+                grid.dt_s,
                 medium.rho_kgpm3 * medium.c_mps,
             ),
         }
@@ -141,7 +142,7 @@ pub struct FieldState {
     /// Memory of the layers along y: `[row of layer, 3, ix]`, rows of the low side first.
     pub layer_y: Vec<f32>,
     /// Velocity times `rho c` into surfaces that are not rigid, half a step before `pressure`, in Pa: one for each surface and row of the grid that it
-    /// takes its flow from.
+    /// takes its flow from. With branches velocity and spring of each of them, see [`crate::walls::Branches`].
     pub surfaces: Vec<f32>,
 }
 

@@ -5,6 +5,7 @@ use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row,
 use crate::pml::Profile;
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
+use crate::walls::Reaction;
 
 /// Cells of zero pressure around the grid, as many as the widest stencil reaches.
 const RIM: usize = 3;
@@ -145,14 +146,21 @@ impl ReferenceField {
                 next[correction.ix] += sum;
             }
             for surface in &self.setup.walls.surfaces[iy] {
-                let before = self.surfaces[surface.memory];
-                let mut after = surface.decay * before;
+                let own = surface.memory..surface.memory + surface.memory_count();
+                let memory = &mut self.surfaces[own];
+                let mut sum = match surface.reaction {
+                    Reaction::Decay(decay) => decay * memory[0],
+                    Reaction::Branches(_) => 0.0,
+                };
                 for &(dy, ix, weight) in &surface.taps {
-                    after = weight.mul_add(row(dy)[RIM + ix], after);
+                    sum = weight.mul_add(row(dy)[RIM + ix], sum);
                 }
-                self.surfaces[surface.memory] = after;
+                let change = match &surface.reaction {
+                    Reaction::Decay(_) => std::mem::replace(&mut memory[0], sum) - sum,
+                    Reaction::Branches(branches) => branches.step(sum, memory),
+                };
                 for &(ix, gain) in &surface.gains {
-                    next[ix] = gain.mul_add(before - after, next[ix]);
+                    next[ix] = gain.mul_add(change, next[ix]);
                 }
             }
             if quiet {
@@ -160,7 +168,8 @@ impl ReferenceField {
                     quieten(&mut next[correction.ix..=correction.ix]);
                 }
                 for surface in &self.setup.walls.surfaces[iy] {
-                    quieten(&mut self.surfaces[surface.memory..=surface.memory]);
+                    let own = surface.memory..surface.memory + surface.memory_count();
+                    quieten(&mut self.surfaces[own]);
                     for &(ix, _) in &surface.gains {
                         quieten(&mut next[ix..=ix]);
                     }

@@ -186,17 +186,17 @@ fn a_scene_sounds_the_same_at_any_number_of_threads() {
         Wall {
             points_m: vec![[0.8, 4.2], [0.7, 0.9], [3.9, 0.8]],
             thickness_m: 0.02,
-            impedance_pasm: None,
+            impedance: None,
         },
         Wall {
             points_m: vec![[4.3, 1.5], [4.1, 4.1]],
             thickness_m: 0.02,
-            impedance_pasm: None,
+            impedance: None,
         },
         Wall {
             points_m: vec![[1.3, 4.4], [3.6, 4.3]],
             thickness_m: 0.02,
-            impedance_pasm: None,
+            impedance: None,
         },
     ];
     let start = crate::motion::MotionState {

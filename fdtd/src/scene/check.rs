@@ -218,7 +218,7 @@ impl Checker<'_> {
             walls,
             ..
         } = self.scene;
-        let Some(index) = walls.iter().position(|wall| wall.impedance_pasm.is_some()) else {
+        let Some(index) = walls.iter().position(|wall| wall.impedance.is_some()) else {
             return Ok(());
         };
         let enough = |part: f64| {

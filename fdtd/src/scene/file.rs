@@ -2,13 +2,14 @@
 
 use super::locate::describe;
 use super::path_file::PathFile;
+use super::wall_file::WallFile;
 use super::{Robot, Scene, WaveformSpec};
 use crate::error::Error;
 use crate::grid::{Grid, Medium};
 use crate::medium::{Air, STANDARD_PRESSURE_PA};
 use crate::scheme::Scheme;
 use crate::spread::Spread;
-use crate::walls::{Wall, WallModel};
+use crate::walls::WallModel;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -42,7 +43,7 @@ pub(super) struct SceneFile {
     /// Spreading of the moving source and interpolation at the moving receiver.
     #[serde(default = "default_spread")]
     spread: Spread,
-    /// Rigid walls.
+    /// Walls.
     #[serde(default)]
     walls: Vec<WallFile>,
     /// How the walls become cells of the grid.
@@ -111,24 +112,6 @@ struct GridFile {
     dt_s: f64,
 }
 
-/// A wall along a polyline, rigid unless it has an impedance or absorbs.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(rename = "Wall")]
-struct WallFile {
-    /// Corner points `[x, y]` of the middle line in metres; the first again at the end closes the wall.
-    points_m: Vec<[f64; 2]>,
-    /// Thickness in metres.
-    #[serde(default = "default_thickness_m")]
-    thickness_m: f64,
-    /// Impedance of the surface in Pa s/m, above 0; rigid when neither this nor `absorption` is given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    impedance_pasm: Option<f64>,
-    /// Part of the energy that the surface absorbs at normal incidence, 0 to 1, instead of `impedance_pasm`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    absorption: Option<f64>,
-}
-
 fn default_medium() -> MediumFile {
     MediumFile {
         c_mps: Some(DEFAULT_MEDIUM.c_mps),
@@ -153,10 +136,6 @@ fn default_sample_rate_hz() -> f64 {
     40e3
 }
 
-fn default_thickness_m() -> f64 {
-    0.02
-}
-
 impl SceneFile {
     /// Parses the text; the error names the field's path and place in the text.
     pub(super) fn parse(text: &str, origin: &Path) -> Result<Self, Error> {
@@ -176,16 +155,11 @@ impl SceneFile {
         let characteristic_pasm = medium.rho_kgpm3 * medium.c_mps;
         let mut walls = Vec::new();
         for (index, wall) in self.walls.into_iter().enumerate() {
-            walls.push(Wall {
-                impedance_pasm: wall.impedance_pasm(characteristic_pasm).map_err(
-                    |[field, problem, remedy]| {
-                        let field = format!("walls[{index}].{field}");
-                        Error::invalid(origin.display(), field, problem, remedy)
-                    },
-                )?,
-                points_m: wall.points_m,
-                thickness_m: wall.thickness_m,
-            });
+            let wall = wall.into_wall(characteristic_pasm);
+            walls.push(wall.map_err(|[field, problem, remedy]| {
+                let field = format!("walls[{index}].{field}");
+                Error::invalid(origin.display(), field, problem, remedy)
+            })?);
         }
         Ok(Scene {
             name: self.name,
@@ -243,45 +217,6 @@ impl MediumFile {
                 };
                 air.check(origin, "medium.")?;
                 Ok((air.medium(), Some(air)))
-            }
-        }
-    }
-}
-
-impl WallFile {
-    /// The surface's impedance in Pa s/m, `None` when it is rigid; or field, problem and remedy.
-    fn impedance_pasm(&self, characteristic_pasm: f64) -> Result<Option<f64>, [String; 3]> {
-        let refuse = |field: &str, problem: String, remedy: &str| {
-            Err([field.to_string(), problem, remedy.to_string()])
-        };
-        match (self.impedance_pasm, self.absorption) {
-            (None, None) => Ok(None),
-            (Some(_), Some(_)) => refuse(
-                "absorption",
-                "is given beside impedance_pasm".to_string(),
-                "give one of them",
-            ),
-            // Written so that NaN is refused.
-            (Some(impedance_pasm), None) => {
-                if impedance_pasm > 0.0 && impedance_pasm.is_finite() {
-                    return Ok(Some(impedance_pasm));
-                }
-                let problem = format!("{impedance_pasm} Pa s/m is no impedance of a passive wall");
-                refuse(
-                    "impedance_pasm",
-                    problem,
-                    "give a number above 0, or none for a rigid wall",
-                )
-            }
-            (None, Some(absorption)) => {
-                if !(0.0..=1.0).contains(&absorption) {
-                    let problem = format!("{absorption} is no part of the energy");
-                    return refuse("absorption", problem, "give a number from 0 to 1");
-                }
-                // Harder than air: the reflection factor is positive.
-                let factor = (1.0 - absorption).sqrt();
-                let impedance_pasm = characteristic_pasm * (1.0 + factor) / (1.0 - factor);
-                Ok(impedance_pasm.is_finite().then_some(impedance_pasm))
             }
         }
     }

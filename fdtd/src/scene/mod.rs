@@ -5,6 +5,7 @@ mod clearance;
 mod file;
 mod locate;
 mod path_file;
+mod wall_file;
 
 use crate::error::Error;
 use crate::grid::{Grid, Medium};

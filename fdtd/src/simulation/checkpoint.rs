@@ -2,7 +2,7 @@
 //!
 //! A line of text that says what run it is, then the lengths of six arrays as little-endian `u64`, then the arrays as
 //! little-endian `f32`: what was heard (after every step, warm-ups included, so that its length tells the piece), pressure, previous pressure, layer memory along x and y,
-//! velocities into walls that are not rigid; then a digest of all.
+//! what walls that are not rigid remember; then a digest of all.
 
 use std::io::Write;
 use std::path::Path;
@@ -175,7 +175,8 @@ impl Simulation {
         let surfaces = walls.loads().iter().flat_map(|load| {
             let [ix, iy] = load.cell.map(|at| at as u64);
             let [x, y] = load.normal;
-            let numbers = [load.impedance_pasm, load.length, x, y, load.distance];
+            let numbers = [load.length, x, y, load.distance];
+            let numbers = load.impedance.numbers().into_iter().chain(numbers);
             [ix, iy].into_iter().chain(numbers.map(f64::to_bits))
         });
         let walls = digest(solid.chain(parts).chain(surfaces));

@@ -53,7 +53,7 @@ pub fn scene(scheme: Scheme) -> Result<Scene, Error> {
         walls: vec![Wall {
             points_m: vec![[1.31, -0.2], [1.31, 1.41], [-0.2, 1.41]],
             thickness_m: 0.02,
-            impedance_pasm: None,
+            impedance: None,
         }],
         wall_model: WallModel::default(),
         waveform: WaveformSpec::default(),

@@ -13,7 +13,7 @@ use super::{Depth, Measurement};
 use crate::Error;
 use crate::field::{Field, FieldState};
 use crate::scheme::Scheme;
-use crate::walls::{Wall, WallModel};
+use crate::walls::{Impedance, Wall, WallModel};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{PI, TAU};
@@ -48,27 +48,27 @@ const START: usize = 160;
 const SIGMA: f64 = 37.0;
 
 /// Spectrum at `frequency_hz` of what comes back of a mode from an end of an impedance, rigid when `None`.
-fn heard(
+pub(super) fn heard(
     scheme: Scheme,
     frequency_hz: f64,
     mode: usize,
     place: f64,
-    impedance_pasm: Option<f64>,
+    impedance: Option<&Impedance>,
 ) -> Complex<f64> {
     let width = WIDTH;
     let mut rig = Rig::open(scheme, END + 40, width + 2 * SIDE);
     let at = |cells: f64| cells * DX_M;
-    let wall = |from: [f64; 2], to: [f64; 2], impedance_pasm| Wall {
+    let wall = |from: [f64; 2], to: [f64; 2], impedance: Option<&Impedance>| Wall {
         points_m: vec![from.map(at), to.map(at)],
         thickness_m: at(4.0),
-        impedance_pasm,
+        impedance: impedance.cloned(),
     };
     let (low, high) = (SIDE as f64, (SIDE + width) as f64);
     let end = END as f64 + place - 1.0;
     let walls = [
         wall([0.0, low - 2.0], [end + 4.0, low - 2.0], None),
         wall([0.0, high + 2.0], [end + 4.0, high + 2.0], None),
-        wall([end + 2.0, low], [end + 2.0, high], impedance_pasm),
+        wall([end + 2.0, low], [end + 2.0, high], impedance),
     ];
     rig.walls = WallModel::CutCells.cells(&rig.grid(), &walls);
     let omega = TAU * frequency_hz;
@@ -110,17 +110,22 @@ fn heard(
     line(&received, frequency_hz)
 }
 
+/// Sine of the angle at which a mode meets the duct's end.
+pub(super) fn sine(frequency_hz: f64, mode: usize) -> f64 {
+    mode as f64 * AIR.c_mps / (2.0 * WIDTH as f64 * DX_M * frequency_hz)
+}
+
 /// Largest error of the reflection factor over impedances and angles, with the angle in degrees and the ratio where it is; `place` is what the
 /// wall leaves of the cell before it.
 pub fn largest(scheme: Scheme, frequency_hz: f64, modes: &[usize], place: f64) -> [f64; 3] {
     let mut most = [0.0; 3];
     for &mode in modes {
         let rigid = heard(scheme, frequency_hz, mode, place, None);
-        let sin = mode as f64 * AIR.c_mps / (2.0 * WIDTH as f64 * DX_M * frequency_hz);
+        let sin = sine(frequency_hz, mode);
         let cos = (1.0 - sin * sin).sqrt();
         for ratio in RATIOS {
-            let impedance_pasm = ratio * AIR.rho_kgpm3 * AIR.c_mps;
-            let found = heard(scheme, frequency_hz, mode, place, Some(impedance_pasm)) / rigid;
+            let end = Impedance::Real(ratio * AIR.rho_kgpm3 * AIR.c_mps);
+            let found = heard(scheme, frequency_hz, mode, place, Some(&end)) / rigid;
             let error = (found - (ratio * cos - 1.0) / (ratio * cos + 1.0)).norm();
             if error > most[0] {
                 most = [error, sin.asin().to_degrees(), ratio];

@@ -3,6 +3,7 @@
 //! Each file measures one kind of law and says layout, formula, known bias and tolerance at its top. A measurement is a number with the
 //! range that it may have.
 
+pub mod branches;
 pub mod corner;
 pub mod direct_method;
 pub mod dispersion;
@@ -105,7 +106,7 @@ pub struct Law {
 }
 
 /// All laws, in the table's order.
-pub const LAWS: [Law; 16] = [
+pub const LAWS: [Law; 17] = [
     Law {
         name: "line source in free field, at rest and moving",
         measure: free_field::measure,
@@ -125,6 +126,10 @@ pub const LAWS: [Law; 16] = [
     Law {
         name: "reflection of an impedance",
         measure: impedance::measure,
+    },
+    Law {
+        name: "reflection of R-L-C branches",
+        measure: branches::measure,
     },
     Law {
         name: "echo of a tilted wall of an impedance",

@@ -24,7 +24,7 @@ use crate::Error;
 use crate::exact::burst::Burst;
 use crate::field::{FastField, Field, FieldState};
 use crate::scheme::{RESTORING_QUANTUM, Scheme};
-use crate::walls::{Wall, WallModel};
+use crate::walls::{Impedance, Wall, WallModel};
 use std::f64::consts::{PI, TAU};
 
 const WALL: usize = 4;
@@ -211,12 +211,12 @@ pub fn slanted_rig(scheme: Scheme, size: usize) -> Rig {
     slanted_room(scheme, size, WallModel::CutCells, None)
 }
 
-/// The same with walls of an impedance in Pa s/m (rigid when `None`) made into cells by `model`.
+/// The same with walls of an impedance (rigid when `None`) made into cells by `model`.
 pub fn slanted_room(
     scheme: Scheme,
     size: usize,
     model: WallModel,
-    impedance_pasm: Option<f64>,
+    impedance: Option<Impedance>,
 ) -> Rig {
     let mut rig = Rig::open(scheme, size, size);
     rig.layer_cells = 0;
@@ -226,7 +226,7 @@ pub fn slanted_room(
             .map(|point| point.map(|x| x * size as f64 * DX_M))
             .collect(),
         thickness_m: 4.0 * DX_M,
-        impedance_pasm,
+        impedance: impedance.clone(),
     };
     let (sin, cos) = 12_f64.to_radians().sin_cos();
     let corner = |[x, y]: [f64; 2]| [0.5 + x * cos - y * sin, 0.5 + x * sin + y * cos];

@@ -64,7 +64,7 @@ impl Tilted {
             wall: Wall {
                 points_m: vec![end(-1.0), end(1.0)],
                 thickness_m,
-                impedance_pasm: None,
+                impedance: None,
             },
         }
     }

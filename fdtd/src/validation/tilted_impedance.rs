@@ -17,7 +17,7 @@ use super::{Depth, Measurement};
 use crate::Error;
 use crate::exact::burst::Burst;
 use crate::scheme::Scheme;
-use crate::walls::WallModel;
+use crate::walls::{Impedance, WallModel};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
@@ -73,10 +73,10 @@ pub fn errors(
         rig.run(&|_| front(-1.0), &|_| front(1.0), &strength, steps)
     };
     let direct = hear(&open)?;
-    let echo = |impedance_pasm: Option<f64>| -> Result<Complex<f64>, Error> {
+    let echo = |impedance: Option<Impedance>| -> Result<Complex<f64>, Error> {
         let mut walled = open.clone();
         let mut wall = tilted.wall.clone();
-        wall.impedance_pasm = impedance_pasm;
+        wall.impedance = impedance;
         walled.walls = model.cells(&open.grid(), &[wall]);
         Ok(line(&difference(&hear(&walled)?, &direct), FREQUENCY_HZ))
     };
@@ -84,7 +84,7 @@ pub fn errors(
     let cos = 1.0 / tangent.hypot(1.0);
     let mut errors = [0.0; RATIOS.len()];
     for (error, z) in errors.iter_mut().zip(RATIOS) {
-        let found = echo(Some(z * AIR.rho_kgpm3 * AIR.c_mps))? / rigid;
+        let found = echo(Some(Impedance::Real(z * AIR.rho_kgpm3 * AIR.c_mps)))? / rigid;
         let sum = z * cos + 1.0;
         let slope = 2.0 * z / sum.powi(2);
         let bend = -4.0 * z * z / sum.powi(3) * (1.0 - cos * cos) - slope * cos;

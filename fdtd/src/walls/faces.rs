@@ -96,7 +96,7 @@ impl Openings<'_> {
                 }
             }
             let length = closed[0].hypot(closed[1]);
-            if length == 0.0 || wall.impedance_pasm.is_none() {
+            if length == 0.0 {
                 return None;
             }
             let normal = closed.map(|part| -part / length);
@@ -107,7 +107,7 @@ impl Openings<'_> {
                 0.5 * normal[0].abs().max(normal[1].abs())
             };
             Some(Load {
-                impedance_pasm: wall.impedance_pasm?,
+                impedance: wall.impedance.clone()?,
                 length,
                 cell: [ix as usize, iy as usize],
                 normal,
@@ -125,11 +125,11 @@ pub(super) fn soft_cells(
     solid: &SolidMask,
 ) -> BTreeMap<usize, usize> {
     let mut soft = BTreeMap::new();
-    if walls.iter().all(|wall| wall.impedance_pasm.is_none()) {
+    if walls.iter().all(|wall| wall.impedance.is_none()) {
         return soft;
     }
     for (&cell, &wall) in owners {
-        if walls[wall].impedance_pasm.is_none() {
+        if walls[wall].impedance.is_none() {
             continue;
         }
         soft.insert(cell, wall);
@@ -158,7 +158,7 @@ pub(super) fn soft_cells(
 pub(super) fn staircase(grid: &Grid, walls: &[Wall]) -> WallCells {
     let solid = rasterize(grid, walls);
     let mut owners = BTreeMap::new();
-    if walls.iter().any(|wall| wall.impedance_pasm.is_some()) {
+    if walls.iter().any(|wall| wall.impedance.is_some()) {
         for (index, wall) in walls.iter().enumerate() {
             let own = rasterize(grid, std::slice::from_ref(wall));
             owners.extend(own.iter_solid().map(|(ix, iy)| (iy * grid.nx + ix, index)));

@@ -5,14 +5,17 @@
 //! * `cut` (with `clip`): cells that keep the part that walls leave open;
 //! * `faces`: weights of faces, and where walls of an impedance have their surface;
 //! * `openings`: what all of it gives to the field; [`operator`]: the field's rows near walls;
+//! * `impedance`: what the surface of a wall may be; `branches`: one of resistances, inertances and compliances, in steps;
 //! * `surface`: what surfaces of an impedance do to the field; `aperture` and `footprint`: through which cells, before walls along the axes and others;
 //!   `spring`: with how much mass.
 
 mod aperture;
+mod branches;
 mod clip;
 mod cut;
 mod faces;
 mod footprint;
+mod impedance;
 mod model;
 mod openings;
 pub mod operator;
@@ -21,9 +24,11 @@ mod spring;
 mod surface;
 mod wall;
 
+pub use branches::Branches;
 pub use cut::cut;
+pub use impedance::{Branch, Impedance};
 pub use model::WallModel;
 pub use openings::{Load, Opening, WallCells};
 pub use rasterize::{SolidMask, cell_at, cell_centre_m, rasterize};
-pub use surface::Surface;
+pub use surface::{Reaction, Surface};
 pub use wall::Wall;

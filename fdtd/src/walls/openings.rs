@@ -1,6 +1,6 @@
 //! How much of every cell and of every face between cells is open: what walls are to the field.
 
-use super::SolidMask;
+use super::{Impedance, SolidMask};
 use std::collections::BTreeMap;
 
 /// What a wall leaves of a cell and of its faces to the cells at lower x and at lower y, as fractions.
@@ -24,10 +24,10 @@ impl Opening {
 }
 
 /// A piece of the surface of a wall that is not rigid.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Load {
-    /// Impedance of the surface in Pa s/m.
-    pub impedance_pasm: f64,
+    /// Impedance of the surface.
+    pub impedance: Impedance,
     /// Length of the piece, in cell widths.
     pub length: f64,
     /// Column and row of the cell in which it lies.
@@ -124,7 +124,7 @@ impl WallCells {
             .map(|(&cell, &opening)| (moved(cell), opening));
         let loads = self.loads.iter().map(|load| Load {
             cell: [load.cell[0] - x, load.cell[1] - y],
-            ..*load
+            ..load.clone()
         });
         Self {
             solid,

@@ -187,23 +187,25 @@ impl WallOperator {
         operator
     }
 
-    /// With the surfaces of `walls` that are not rigid, for a stencil of `radius`, the Courant number of `polynomial` and the characteristic impedance `rho c`
-    /// of the air in Pa s/m.
+    /// With the surfaces of `walls` that are not rigid, for a stencil of `radius`, the Courant number of `polynomial`, steps of `dt_s` and the characteristic
+    /// impedance `rho c` of the air in Pa s/m.
     #[must_use]
     pub fn with_surfaces(
         mut self,
         walls: &WallCells,
         polynomial: &Polynomial,
         radius: usize,
+        dt_s: f64,
         characteristic_pasm: f64,
     ) -> Self {
-        self.surfaces = surfaces(walls, polynomial, radius, characteristic_pasm);
+        self.surfaces = surfaces(walls, polynomial, radius, dt_s, characteristic_pasm);
         self
     }
 
-    /// Number of velocities into surfaces that the field keeps.
+    /// How many numbers the field keeps of surfaces.
     pub fn surface_count(&self) -> usize {
-        self.surfaces.iter().map(Vec::len).sum()
+        let surfaces = self.surfaces.iter().flatten();
+        surfaces.map(Surface::memory_count).sum()
     }
 
     /// Number of cells with a correction, and of entries in all.

@@ -6,18 +6,22 @@
 //!
 //! `(m/chi)(v+ - v-) + z (v+ + v-)/2 = f.p`, and every cell's pressure loses `chi l f_i/V_i (v+ - v-)`.
 //!
-//! *Passive for every Z.* Let a mode grow, with `zeta^n`, |zeta| > 1, and take `t = (zeta - 1)/(zeta + 1)`, whose real part is then positive. The field's
+//! Where z is made of branches ([`super::branches`]) it stands for a function of `t = (zeta - 1)/(zeta + 1)` for what goes with `zeta^n`: `r + 2 l t + sigma/(2 t)` of each,
+//! in parallel. `i omega dt` is `2 t`, nearly.
+//!
+//! *Passive for every Z.* Let a mode grow, |zeta| > 1: the real part of t is then positive, and so is, or is 0, that of z and of 1/z. The field's
 //! equation times the mode's conjugate, in the inner product of the areas V, with s > 0 of the operator and `k = chi l |f.p|^2`, `M = m/chi` for each surface
 //! (`<p, p> = 1`), is
 //!
-//! `t (4 - s - sum k/M) + s/t + sum k [z/(2 M^2) + (2 - z^2/(2 M^2))/(2 M t + z)] = 0`.
+//! `t (4 - s - sum k/M) + s/t + sum k [1/(2 M^2/z + M/t) + 2/(2 M t + z)] = 0`.
 //!
-//! The brackets have positive real parts, as `|2 M t + z| > z`. So has all of the rest while `s + sum k/M <= 4`: then no mode grows. What the operator leaves of 4 is
-//! known as a form whatever the walls' shape ([`Polynomial::slack`]), and [`super::spring`] gives each surface the mass that keeps the sum within it: slanted, at
+//! The brackets are sums of inverses of what has positive real parts, and have them too. So has all of the rest while `s + sum k/M <= 4`: then no mode grows. Branches ask for
+//! no other mass than a real impedance does. What the operator leaves of 4 is known as a form whatever the walls' shape ([`Polynomial::slack`]), and [`super::spring`] gives each surface the mass that keeps the sum within it: slanted, at
 //! corners and ends, face to face.
 
 use super::WallCells;
-use super::aperture::{Aperture, Apertures};
+use super::aperture::{Aperture, Apertures, BAND_EDGE};
+use super::branches::{Branches, reduce};
 use super::footprint::Footprints;
 use super::openings::Load;
 use super::spring::{Piece, least_masses};
@@ -28,14 +32,34 @@ use std::collections::BTreeMap;
 /// same in all of them, so that no row waits for another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// `(dy, ix, weight)`: row offset and column of cells, and what their pressure gives to the velocity (times `rho c`, in Pa).
+    /// `(dy, ix, weight)`: row offset and column of cells, and what their pressure gives to the velocity (times `rho c`, in Pa), or to the pressure that
+    /// branches feel.
     pub taps: Vec<(isize, usize, f32)>,
     /// `(ix, gain)`: cells of this row, and what the velocity's change takes from their pressure.
     pub gains: Vec<(usize, f32)>,
-    /// What is left of the velocity from step to step.
-    pub decay: f32,
-    /// Place of the velocity in the field's memory.
+    /// What the velocity does.
+    pub reaction: Reaction,
+    /// Where its numbers begin in the field's memory.
     pub memory: usize,
+}
+
+/// What a surface's velocity does from step to step.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reaction {
+    /// So much is left of it, beside what the taps give: resistance and mass.
+    Decay(f32),
+    /// It is that of several branches, or of one with a compliance; the taps give the pressure.
+    Branches(Branches),
+}
+
+impl Surface {
+    /// How many numbers of the field's memory are its own.
+    pub fn memory_count(&self) -> usize {
+        match &self.reaction {
+            Reaction::Decay(_) => 1,
+            Reaction::Branches(branches) => branches.memory(),
+        }
+    }
 }
 
 /// Cells beside a surface need so much of the air of the first cell to take part along it: small ones would ask for more mass than is there.
@@ -44,11 +68,13 @@ const LEAST_BESIDE: f64 = 0.5;
 /// Cosine of the angle between a wall's normal and the axis up to which columns of cells serve it; beyond 18 degrees boxes do.
 const LEAST_SLOPE: f64 = 0.95;
 
-/// The surfaces of `walls` by row for a stencil of a radius, for the Courant number of `polynomial` and the characteristic impedance `rho c` of the air in Pa s/m.
+/// The surfaces of `walls` by row for a stencil of a radius, for the Courant number of `polynomial`, steps of `dt_s` and the characteristic impedance
+/// `rho c` of the air in Pa s/m.
 pub(super) fn surfaces(
     walls: &WallCells,
     polynomial: &Polynomial,
     radius: usize,
+    dt_s: f64,
     characteristic_pasm: f64,
 ) -> Vec<Vec<Surface>> {
     let mut rows = vec![Vec::new(); walls.size()[1]];
@@ -58,6 +84,8 @@ pub(super) fn surfaces(
     let apertures = Apertures::new(polynomial);
     let footprints = Footprints::new(polynomial);
     let courant = polynomial.courant;
+    let narrow = polynomial.square == 0.0;
+    let edge = 0.5 * courant * BAND_EDGE * if narrow { 0.5 } else { 1.0 };
     let (pieces, usual): (Vec<Piece>, Vec<f64>) = walls
         .loads()
         .iter()
@@ -87,7 +115,16 @@ pub(super) fn surfaces(
     for (index, load) in walls.loads().iter().enumerate() {
         let reach = &pieces[index].reach;
         let mass = usual[index].max(least[index]) / courant;
-        let half = 0.5 * load.impedance_pasm / characteristic_pasm;
+        let branches = reduce(&load.impedance.branches(), characteristic_pasm, dt_s, edge);
+        let (divisor, reaction) = match branches[..] {
+            // An inertance is more of the mass.
+            [branch] if branch.spring == 0.0 => {
+                let (mass, half) = (mass + branch.inertia, 0.5 * branch.resistance);
+                let decay = (mass - half) / (mass + half);
+                (mass + half, Reaction::Decay(decay as f32))
+            }
+            _ => (1.0, Reaction::Branches(Branches::new(mass, &branches))),
+        };
         let mut gains: BTreeMap<usize, Vec<(usize, f32)>> = BTreeMap::new();
         for (&[ix, iy], weight) in reach {
             let gain = courant * load.length * weight / area([ix, iy]);
@@ -98,15 +135,16 @@ pub(super) fn surfaces(
                 let dy = y as isize - iy as isize;
                 // The fast engine has no other rows at hand.
                 assert!(dy.unsigned_abs() <= radius, "a surface beyond the stencil");
-                (dy, ix, (weight / (mass + half)) as f32)
+                (dy, ix, (weight / divisor) as f32)
             };
-            rows[iy].push(Surface {
+            let surface = Surface {
                 taps: reach.iter().map(tap).collect(),
                 gains,
-                decay: ((mass - half) / (mass + half)) as f32,
+                reaction: reaction.clone(),
                 memory,
-            });
-            memory += 1;
+            };
+            memory += surface.memory_count();
+            rows[iy].push(surface);
         }
     }
     rows

@@ -1,5 +1,7 @@
 //! A wall as drawn: a polyline with a thickness.
 
+use super::Impedance;
+
 /// A wall, rigid or of an impedance: every point within half the thickness beside one of its segments, and round joints where segments meet.
 ///
 /// The ends are cut square, so a wall is as long as its points say. Give the first point again at the end to close it.
@@ -9,8 +11,8 @@ pub struct Wall {
     pub points_m: Vec<[f64; 2]>,
     /// Thickness in metres, across the middle line.
     pub thickness_m: f64,
-    /// Ratio in Pa s/m of pressure and velocity into the wall at its surface, which reacts locally; `None` is rigid.
-    pub impedance_pasm: Option<f64>,
+    /// Ratio of pressure and velocity into the wall at its surface, which reacts locally; `None` is rigid.
+    pub impedance: Option<Impedance>,
 }
 
 impl Wall {

@@ -16,7 +16,7 @@ use fdtd::scheme::Scheme;
 use fdtd::validation::impedance::{CASES, PLACES, is_held, largest};
 use fdtd::validation::room::slanted_room;
 use fdtd::validation::tilted_impedance::{self, RATIOS, SCHEMES, TILTS};
-use fdtd::walls::{Wall, WallModel};
+use fdtd::walls::{Impedance, Wall, WallModel};
 use proptest::prelude::*;
 
 #[test]
@@ -71,7 +71,7 @@ fn no_impedance_makes_energy() {
     for scheme in Scheme::ALL {
         for model in WallModel::ALL {
             for ratio in [1e-6, 1e-3, 0.05, 1.0, 20.0, 1e6] {
-                let rig = slanted_room(scheme, 120, model, Some(440.0 * ratio));
+                let rig = slanted_room(scheme, 120, model, Some(Impedance::Real(440.0 * ratio)));
                 let burst = Burst::from_zero(6e3, 2000.0);
                 let mut field = rig.field();
                 let middle = [60.0 * DX_M, 64.0 * DX_M];
@@ -109,7 +109,7 @@ proptest! {
         let wall = |&[x0, y0, x1, y1]: &[f64; 4]| Wall {
             points_m: vec![[x0, y0], [x1, y1], [y1, x0]],
             thickness_m: 0.012,
-            impedance_pasm: Some(440.0 * 10_f64.powf(power)),
+            impedance: Some(Impedance::Real(440.0 * 10_f64.powf(power))),
         };
         let walls: Vec<Wall> = lines.iter().map(wall).collect();
         rig.walls = model.cells(&rig.grid(), &walls);

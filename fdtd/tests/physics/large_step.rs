@@ -25,7 +25,7 @@ fn a_hundred_kilohertz_on_five_millimetres_are_stable_with_layers_and_walls() {
     let wall = |points: &[[f64; 2]]| Wall {
         points_m: points.iter().map(|p| p.map(|cells| cells * DX_M)).collect(),
         thickness_m: 4.0 * DX_M,
-        impedance_pasm: None,
+        impedance: None,
     };
     let walls = [
         wall(&[[52.0, 60.0], [98.0, 50.0], [110.0, 96.0]]),

@@ -7,6 +7,7 @@ mod rig;
 mod absorbing_layer;
 mod absorption;
 mod box_modes;
+mod branched_wall;
 mod coincident_pair;
 mod corner;
 mod cropped_domain;

@@ -4,6 +4,7 @@ use crate::{read, refusal, scenes, small, with};
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
+use fdtd::walls::{Branch, Impedance};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -176,13 +177,18 @@ fn impedance_and_absorption_are_read_or_refused() {
             r#"{{"name": "t", "grid": {{"nx": 200, "ny": 200, "dx_m": 0.005, "dt_s": 8.333e-6}},
             "walls": [{{"points_m": [[0.3, 0.3], [0.6, 0.3]]{surface}}}]}}"#
         );
-        Scene::from_json(&text, Path::new("t.json")).map(|scene| scene.walls[0].impedance_pasm)
+        Scene::from_json(&text, Path::new("t.json")).map(|scene| scene.walls[0].impedance.clone())
     };
     assert_eq!(wall("").unwrap(), None);
     assert_eq!(wall(", \"absorption\": 0").unwrap(), None);
-    assert_eq!(wall(", \"impedance_pasm\": 900").unwrap(), Some(900.0));
+    assert_eq!(
+        wall(", \"impedance_pasm\": 900").unwrap(),
+        Some(Impedance::Real(900.0))
+    );
     // Half of the energy: a reflection factor of 0.7071.
-    let half = wall(", \"absorption\": 0.5").unwrap().unwrap();
+    let Some(Impedance::Real(half)) = wall(", \"absorption\": 0.5").unwrap() else {
+        panic!("an impedance");
+    };
     assert!((half / (1.293 * 340.0) - 5.8284).abs() < 1e-3, "{half}");
     for (surface, field) in [
         (", \"impedance_pasm\": 0", "walls[0].impedance_pasm"),
@@ -195,5 +201,69 @@ fn impedance_and_absorption_are_read_or_refused() {
     ] {
         let error = wall(surface).unwrap_err().to_string();
         assert!(error.contains(field), "{error}");
+    }
+}
+
+#[test]
+fn branches_are_read_or_refused() {
+    let wall = |branches: Value| {
+        let mut scene = small();
+        scene["walls"][0]["branches"] = branches;
+        scene
+    };
+    let scene = read(&wall(json!([
+        { "resistance_pasm": 90.0, "inertance_kgpm2": 0.02, "compliance_mppa": 4e-8 },
+        { "resistance_pasm": 900.0 },
+    ])));
+    let panel = Branch {
+        resistance_pasm: 90.0,
+        inertance_kgpm2: 0.02,
+        stiffness_papm: 1.0 / 4e-8,
+    };
+    let expected = Impedance::Branches(vec![panel, Branch::resistance(900.0)]);
+    assert_eq!(scene.unwrap().walls[0].impedance, Some(expected));
+    for (branches, expected) in [
+        (json!([]), "walls[0].branches: holds no branch; give one"),
+        (
+            json!([{ "resistance_pasm": 90.0 }, {}]),
+            "walls[0].branches[1]: resists nothing; give one or more of resistance_pasm,",
+        ),
+        (
+            json!([{ "resistance_pasm": -1.0 }]),
+            "walls[0].branches[0].resistance_pasm: -1.0 Pa s/m is out of range; give a number from 0",
+        ),
+        (
+            json!([{ "inertance_kgpm2": -0.1, "resistance_pasm": 1.0 }]),
+            "walls[0].branches[0].inertance_kgpm2: -0.1 kg/m^2",
+        ),
+        (
+            json!([{ "inertance_kgpm2": 1e300 }]),
+            "walls[0].branches[0].inertance_kgpm2: 1e300",
+        ),
+        (
+            json!([{ "compliance_mppa": 0.0 }]),
+            "walls[0].branches[0].compliance_mppa: 0.0 m/Pa is out of range; give a number from 1e-18",
+        ),
+        (
+            json!([{ "resistence_pasm": 1.0 }]),
+            "walls[0].branches[0].resistence_pasm (line ",
+        ),
+        (
+            json!({ "resistance_pasm": 1.0 }),
+            "walls[0].branches (line ",
+        ),
+    ] {
+        let message = refusal(&wall(branches));
+        assert!(
+            message.contains(&format!("test.json: {expected}")),
+            "{message}"
+        );
+    }
+    for other in ["impedance_pasm", "absorption"] {
+        let mut scene = wall(json!([{ "resistance_pasm": 90.0 }]));
+        scene["walls"][0][other] = json!(0.5);
+        let message = refusal(&scene);
+        let expected = format!("walls[0].branches: is given beside {other}; give one of them");
+        assert!(message.contains(&expected), "{message}");
     }
 }

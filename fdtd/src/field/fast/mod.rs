@@ -26,6 +26,7 @@ use self::team::Team;
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows};
 use crate::pml::Profile;
 use crate::spread::TAPS;
+use crate::walls::Reaction;
 
 /// Steps per time block, times the stencil's radius: the rows in flight of all steps (about `2 BLOCK` rows, 350 KiB at
 /// 1000 columns) stay in the second-level cache. From 16 to 64 the speed is the same on one thread within a few per cent.
@@ -46,8 +47,9 @@ struct RowSurface {
     taps: Vec<(i32, f32)>,
     /// `(offset in the row, gain)`.
     gains: Vec<(u32, f32)>,
-    decay: f32,
+    reaction: Reaction,
     memory: usize,
+    memory_count: usize,
 }
 
 /// One corrected cell: its offset in the row, and its entries in [`Plan::entries`].
@@ -234,8 +236,9 @@ impl Plan {
                             .iter()
                             .map(|&(ix, gain)| (layout.offset(ix) as u32, gain))
                             .collect(),
-                        decay: surface.decay,
+                        reaction: surface.reaction.clone(),
                         memory: surface.memory,
+                        memory_count: surface.memory_count(),
                     })
                     .collect(),
                 corrections: corrections

@@ -47,6 +47,7 @@ use super::tiles::Tile;
 use super::{Line, Plan};
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
+use crate::walls::Reaction;
 
 /// The buffers of a field as the tiles of one time block see them.
 #[derive(Clone, Copy)]
@@ -57,7 +58,7 @@ pub(super) struct Shared {
     pub(super) layer_x: *mut f32,
     /// Layer memory along y, see `memory`.
     pub(super) layer_y: *mut f32,
-    /// Velocities into surfaces that are not rigid; those of a row belong to who writes the row.
+    /// Memory of surfaces that are not rigid; that of a row belongs to who writes the row.
     pub(super) surfaces: *mut f32,
 }
 
@@ -300,17 +301,22 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                 next[correction.at as usize] += sum;
             }
             for surface in &walls.surfaces {
-                let velocity = shared.surfaces.add(surface.memory);
-                let before = *velocity;
-                let mut after = surface.decay * before;
+                let memory = shared.surfaces.add(surface.memory);
+                let memory = std::slice::from_raw_parts_mut(memory, surface.memory_count);
+                let mut sum = match surface.reaction {
+                    Reaction::Decay(decay) => decay * memory[0],
+                    Reaction::Branches(_) => 0.0,
+                };
                 for &(offset, weight) in &surface.taps {
-                    after =
-                        weight.mul_add(*levels.now.offset(at as isize + offset as isize), after);
+                    sum = weight.mul_add(*levels.now.offset(at as isize + offset as isize), sum);
                 }
-                *velocity = after;
+                let change = match &surface.reaction {
+                    Reaction::Decay(_) => std::mem::replace(&mut memory[0], sum) - sum,
+                    Reaction::Branches(branches) => branches.step(sum, memory),
+                };
                 for &(offset, gain) in &surface.gains {
                     let p = &mut next[offset as usize];
-                    *p = gain.mul_add(before - after, *p);
+                    *p = gain.mul_add(change, *p);
                 }
             }
             if forcing.quiet {

@@ -38,8 +38,11 @@ pub(super) unsafe fn walls(walls: &RowWalls, shared: Shared, next: &mut [f32]) {
         quieten(&mut next[correction.at as usize..][..1]);
     }
     for surface in &walls.surfaces {
-        // SAFETY: the velocities of a row belong to who writes the row.
-        quieten(unsafe { std::slice::from_raw_parts_mut(shared.surfaces.add(surface.memory), 1) });
+        // SAFETY: the memory of a row's surfaces belongs to who writes the row.
+        quieten(unsafe {
+            let memory = shared.surfaces.add(surface.memory);
+            std::slice::from_raw_parts_mut(memory, surface.memory_count)
+        });
         for &(offset, _) in &surface.gains {
             quieten(&mut next[offset as usize..][..1]);
         }

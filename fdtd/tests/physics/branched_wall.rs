@@ -1,0 +1,152 @@
+//! Walls whose impedance is made of branches of resistance, inertance and compliance: reflection over frequency and angle
+//! ([`fdtd::validation::branches`] says layout, formula and tolerance), and passivity.
+//!
+//! Layout, passivity: the box and the walls of `impedance_wall`, of one to four branches whose resistances, inertances and compliances are
+//! from 1e-6 to 1e6 times those with the air's impedance at 10 kHz, or none.
+//! Formula: the energy of the field, of the air before the surfaces and of the branches never grows.
+//! Bias: the sum of squares is not the energy, which goes back and forth between the field and masses and springs in the walls.
+//! Tolerance: the sum of squares at the end is at most ten times that before. What makes energy overflows.
+//!
+//! A branch with nothing but a resistance is the same wall as one of that impedance, number by number.
+
+use crate::rig::{AIR, Rig};
+use fdtd::exact::burst::Burst;
+use fdtd::field::{Field, FieldSetup};
+use fdtd::scheme::Scheme;
+use fdtd::validation::branches::{CASES, PLACES, largest, walls};
+use fdtd::validation::impedance::is_held;
+use fdtd::validation::room::slanted_room;
+use fdtd::walls::{Branch, Impedance, Wall, WallModel};
+use proptest::prelude::*;
+use std::f64::consts::TAU;
+
+#[test]
+fn the_reflection_factor_is_that_of_the_branches() {
+    // All places and angles are left to `echolot validate`.
+    let [whole, part] = PLACES;
+    let held = |scheme| {
+        CASES
+            .into_iter()
+            .filter(move |(hz, _)| is_held(scheme, *hz))
+    };
+    let all = held(Scheme::O13).map(|case| (Scheme::O13, case, part));
+    let others = [Scheme::Slf, Scheme::M13, Scheme::D25];
+    let highest = others.map(|scheme| held(scheme).next_back().map(|case| (scheme, case, whole)));
+    for (scheme, (frequency_hz, [normal, .., grazing]), place) in
+        all.chain(highest.into_iter().flatten())
+    {
+        let errors = largest(scheme, frequency_hz, &[normal, grazing], place);
+        println!(
+            "branches, {scheme}, {} kHz, {place} of a cell: {errors:.4?}",
+            frequency_hz / 1e3
+        );
+        for ((name, _), error) in walls().into_iter().zip(errors) {
+            assert!(
+                error < 0.02,
+                "{scheme}, {name}, {frequency_hz}, {place}: {error}"
+            );
+        }
+    }
+}
+
+#[test]
+fn nothing_but_resistance_is_the_real_impedance() {
+    let setup = |impedance: Impedance| {
+        let rig = slanted_room(Scheme::O13, 120, WallModel::CutCells, Some(impedance));
+        FieldSetup::new(&rig.grid(), &AIR, rig.scheme, 0, &rig.walls).walls
+    };
+    let real = setup(Impedance::Real(321.0));
+    let alone = vec![Branch::resistance(321.0)];
+    assert!(real == setup(Impedance::Branches(alone)));
+    // In parallel they are one; 428 and 1284 are 321.
+    let two = [428.0, 1284.0].map(Branch::resistance).to_vec();
+    assert_eq!(
+        real.surface_count(),
+        setup(Impedance::Branches(two)).surface_count()
+    );
+}
+
+/// A branch of numbers over those that have the air's impedance at 10 kHz, as powers of ten; none is 0.
+fn branch(powers: [Option<f64>; 3]) -> Branch {
+    let omega = TAU * 10e3;
+    let [resistance, inertance, stiffness] =
+        powers.map(|power| power.map_or(0.0, |power| 440.0 * 10_f64.powf(power)));
+    Branch {
+        resistance_pasm: resistance,
+        inertance_kgpm2: inertance / omega,
+        stiffness_papm: stiffness * omega,
+    }
+}
+
+/// Sums of squares of the pressure after two times of silence of so many steps, after a burst.
+fn sums(rig: &Rig, place_m: [f64; 2], [loud, silent]: [usize; 2]) -> [f64; 2] {
+    let burst = Burst::from_zero(8e3, 4000.0);
+    let mut field = rig.field();
+    let sounding = rig.sounding(place_m, &|t_s| burst.value(t_s), loud);
+    field.advance(&sounding, &mut Vec::new());
+    let silence = rig.silence(silent);
+    std::array::from_fn(|_| {
+        field.advance(&silence, &mut Vec::new());
+        let pressure = field.state().pressure;
+        pressure.iter().map(|&p| f64::from(p).powi(2)).sum()
+    })
+}
+
+#[test]
+fn no_reactance_makes_energy() {
+    let walls = [
+        vec![[None, None, Some(-6.0)]],
+        vec![[None, None, Some(6.0)]],
+        vec![[None, Some(-6.0), Some(-6.0)]],
+        vec![[None, Some(0.0), Some(0.0)], [None, None, Some(0.5)]],
+        vec![[Some(-6.0), Some(6.0), None], [None, Some(-3.0), Some(3.0)]],
+        vec![[Some(-1.0), Some(0.3), Some(-0.3)], [Some(0.0), None, None]],
+    ];
+    for scheme in Scheme::ALL {
+        for model in WallModel::ALL {
+            for powers in &walls {
+                let branches = powers.iter().copied().map(branch).collect();
+                let impedance = Impedance::Branches(branches);
+                let rig = slanted_room(scheme, 120, model, Some(impedance));
+                let sums = sums(&rig, [0.3, 0.32], [400, 2000]);
+                println!("passivity, {scheme}, {model}, {powers:?}: {sums:?}");
+                assert!(
+                    sums[1] <= 1.5 * sums[0],
+                    "{scheme}, {model}, {powers:?}: {sums:?}"
+                );
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn no_branches_make_energy_between_any_walls(
+        scheme in prop::sample::select(&Scheme::ALL[..]),
+        model in prop::sample::select(&WallModel::ALL[..]),
+        lines in prop::collection::vec(prop::array::uniform4(0.03..0.25_f64), 1..5),
+        powers in prop::collection::vec(
+            prop::array::uniform3(prop::option::weighted(0.8, -6.0..6.0_f64)),
+            1..5,
+        ),
+    ) {
+        let mut rig = Rig::open(scheme, 56, 56);
+        rig.layer_cells = 0;
+        let branches: Vec<Branch> = powers
+            .iter()
+            .filter(|powers| powers.iter().any(Option::is_some))
+            .map(|&powers| branch(powers))
+            .collect();
+        prop_assume!(!branches.is_empty());
+        let wall = |&[x0, y0, x1, y1]: &[f64; 4]| Wall {
+            points_m: vec![[x0, y0], [x1, y1], [y1, x0]],
+            thickness_m: 0.012,
+            impedance: Some(Impedance::Branches(branches.clone())),
+        };
+        let walls: Vec<Wall> = lines.iter().map(wall).collect();
+        rig.walls = model.cells(&rig.grid(), &walls);
+        let sums = sums(&rig, [0.14, 0.14], [200, 1500]);
+        prop_assert!(sums[1] <= 10.0 * sums[0] + 1e-20, "{scheme}, {model}: {sums:?}");
+    }
+}

@@ -10,8 +10,9 @@
 //! from all ways by one end of a wall with up to three reflections before and behind it, both also when they miss a wall or the way past one by
 //! up to 0.4 m (`alone.rs`). Level and delay are fitted over 5 to 11 kHz, where the burst is above a third of its peak, the delay by the phase.
 //! Bias: dispersion bends the wave fronts, so that their curvature and with it the level changes by direction, 0.1 dB at 10 kHz; the window's
-//! flanks; what two ends of walls scatter one after the other. For scale: an edge scatters a corner's echo 0.7 us late from a metre beside the way
-//! (straight back along the other wall), and takes 5.5 dB when it is 2 cm beside a reflection; with the walls prolonged there both echoes pass.
+//! flanks; what two ends of walls scatter one after the other.
+//! What edges do: a wall's end whose own echo comes 4 cm of path after a corner's makes that 0.9 us late, one 2 cm beside the second reflection of a
+//! double echo takes 5.5 dB; with those walls prolonged both echoes are within tolerance.
 //! Tolerance: 0.15 dB and 0.5 us; half a cell of error in a wall's place would be 15 us. Walls made of whole cells fail: slanted ones of slope 1 to 2
 //! give single echoes 4 to 7 us late.
 

@@ -165,11 +165,12 @@ mod tests {
 
     #[test]
     fn an_end_as_far_away_as_the_apex_diffracts_into_the_corners_echo() {
+        // The corner of `scenes/four_walls.json`, its second wall as drawn and half a metre longer.
         let corner =
-            |height_m: f64| walls([[[0.0, 0.0], [1.5, 0.0]], [[0.0, 0.0], [0.0, height_m]]]);
-        let place_m = [2.6, 1.1];
-        assert!(!kinds(&corner(2.2), place_m).contains(&RayKind::Corner));
-        assert!(kinds(&corner(2.7), place_m).contains(&RayKind::Corner));
+            |height_m: f64| walls([[[0.0, 0.0], [2.13, 0.0]], [[0.0, 0.0], [0.0, height_m]]]);
+        let place_m = [2.613, 1.11];
+        assert!(!kinds(&corner(2.24), place_m).contains(&RayKind::Corner));
+        assert!(kinds(&corner(2.74), place_m).contains(&RayKind::Corner));
     }
 
     #[test]

@@ -147,6 +147,22 @@ impl Reflectors {
         self.touching[first * self.segments.len() + second]
     }
 
+    /// Ends of segments that touch no other segment, in metres: the edges.
+    pub(crate) fn free_ends_m(&self) -> Vec<Vec2> {
+        let free = |index: usize, end: Vec2| {
+            let own = &self.segments[index];
+            self.segments.iter().enumerate().all(|(other, segment)| {
+                let reach_m = 0.5 * (own.thickness_m + segment.thickness_m) + TOUCH_M;
+                other == index || distance_m(end, segment.ends_m) > reach_m
+            })
+        };
+        let ends = self.segments.iter().enumerate();
+        ends.flat_map(|(index, segment)| segment.ends_m.map(|end| (index, end)))
+            .filter(|&(index, end)| free(index, end))
+            .map(|(_, end)| end)
+            .collect()
+    }
+
     /// All face sequences up to `max_order` reflections along which sound can travel at all, shortest first: each next face
     /// lies at least partly in front of the one before, and the other way round.
     pub fn sequences(&self, max_order: usize) -> Vec<Vec<usize>> {

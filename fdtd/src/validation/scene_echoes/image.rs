@@ -157,7 +157,7 @@ pub(super) fn images(
     count: usize,
 ) -> Vec<f64> {
     let mut sum = vec![0.0; count];
-    for ray in rays(reflectors, place_m, 2, 0.0) {
+    for ray in rays(reflectors, place_m) {
         // A Fourier integral over the burst's band, 0.5 to 15.5 kHz.
         let lines: Vec<(f64, Complex<f64>)> = (0..=300)
             .map(|k| 500.0 + 50.0 * f64::from(k))

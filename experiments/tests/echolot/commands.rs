@@ -236,6 +236,24 @@ fn the_order_of_images_is_for_image_sources() {
 }
 
 #[test]
+fn image_sources_refuse_walls_that_are_not_rigid() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for surface in [
+        r#""absorption": 0.4"#,
+        r#""branches": [{"resistance_pasm": 90, "compliance_mppa": 4e-8}]"#,
+    ] {
+        let text = ROOM.replacen("\"thickness_m\": 0.02", surface, 1);
+        std::fs::write(at.join("room.json"), text).unwrap();
+        let complaint = refuse(at, &[&SIMULATE[..], &["out"]].concat());
+        assert!(
+            complaint.contains("walls[0] has an impedance") && complaint.contains("--engine fdtd"),
+            "{complaint}"
+        );
+    }
+}
+
+#[test]
 fn bench_prints_rows_and_names_bad_flags() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

@@ -4,14 +4,16 @@
 //! Layout, passivity: the box and the walls of `impedance_wall`, of one to four branches whose resistances, inertances and compliances are
 //! from 1e-6 to 1e6 times those with the air's impedance at 10 kHz, or none.
 //! Formula: the energy of the field, of the air before the surfaces and of the branches never grows.
-//! Bias: the sum of squares is not the energy, which goes back and forth between the field and masses and springs in the walls.
-//! Tolerance: the sum of squares at the end is at most ten times that before. What makes energy overflows.
+//! Bias: the sum of squares is not the energy, which goes back and forth between the field and masses and springs in the walls. Slow ones give back what
+//! they got when all else has died away.
+//! Tolerance: the sum of squares after 3000 steps is at most 1.5 times the largest during the burst; between any walls, where few modes beat, three times
+//! after 6000 steps. What makes energy overflows.
 //!
 //! A branch with nothing but a resistance is the same wall as one of that impedance, number by number.
 
 use crate::rig::{AIR, Rig};
 use fdtd::exact::burst::Burst;
-use fdtd::field::{Field, FieldSetup};
+use fdtd::field::{Field, FieldSetup, StepForcing};
 use fdtd::scheme::Scheme;
 use fdtd::validation::branches::{CASES, PLACES, largest, walls};
 use fdtd::validation::impedance::is_held;
@@ -78,18 +80,18 @@ fn branch(powers: [Option<f64>; 3]) -> Branch {
     }
 }
 
-/// Sums of squares of the pressure after two times of silence of so many steps, after a burst.
+/// Sums of squares of the pressure: the largest during a burst, and that after so many steps of silence.
 fn sums(rig: &Rig, place_m: [f64; 2], [loud, silent]: [usize; 2]) -> [f64; 2] {
     let burst = Burst::from_zero(8e3, 4000.0);
     let mut field = rig.field();
-    let sounding = rig.sounding(place_m, &|t_s| burst.value(t_s), loud);
-    field.advance(&sounding, &mut Vec::new());
-    let silence = rig.silence(silent);
-    std::array::from_fn(|_| {
-        field.advance(&silence, &mut Vec::new());
+    let mut after = |steps: &[StepForcing]| -> f64 {
+        field.advance(steps, &mut Vec::new());
         let pressure = field.state().pressure;
         pressure.iter().map(|&p| f64::from(p).powi(2)).sum()
-    })
+    };
+    let sounding = rig.sounding(place_m, &|t_s| burst.value(t_s), loud);
+    let during = sounding.chunks(20).map(&mut after);
+    [during.fold(0.0, f64::max), after(&rig.silence(silent))]
 }
 
 #[test]
@@ -101,6 +103,8 @@ fn no_reactance_makes_energy() {
         vec![[None, Some(0.0), Some(0.0)], [None, None, Some(0.5)]],
         vec![[Some(-6.0), Some(6.0), None], [None, Some(-3.0), Some(3.0)]],
         vec![[Some(-1.0), Some(0.3), Some(-0.3)], [Some(0.0), None, None]],
+        // Slow: what it got from the burst it gives back when all else has died away.
+        vec![[Some(0.0), None, None], [None, Some(4.7), Some(-0.7)]],
     ];
     for scheme in Scheme::ALL {
         for model in WallModel::ALL {
@@ -108,7 +112,7 @@ fn no_reactance_makes_energy() {
                 let branches = powers.iter().copied().map(branch).collect();
                 let impedance = Impedance::Branches(branches);
                 let rig = slanted_room(scheme, 120, model, Some(impedance));
-                let sums = sums(&rig, [0.3, 0.32], [400, 2000]);
+                let sums = sums(&rig, [0.3, 0.32], [400, 3000]);
                 println!("passivity, {scheme}, {model}, {powers:?}: {sums:?}");
                 assert!(
                     sums[1] <= 1.5 * sums[0],
@@ -120,7 +124,7 @@ fn no_reactance_makes_energy() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 32, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn no_branches_make_energy_between_any_walls(
         scheme in prop::sample::select(&Scheme::ALL[..]),
@@ -146,7 +150,7 @@ proptest! {
         };
         let walls: Vec<Wall> = lines.iter().map(wall).collect();
         rig.walls = model.cells(&rig.grid(), &walls);
-        let sums = sums(&rig, [0.14, 0.14], [200, 1500]);
-        prop_assert!(sums[1] <= 10.0 * sums[0] + 1e-20, "{scheme}, {model}: {sums:?}");
+        let sums = sums(&rig, [0.14, 0.14], [200, 6000]);
+        prop_assert!(sums[1] <= 3.0 * sums[0], "{scheme}, {model}: {sums:?}");
     }
 }

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::Result;
-use fdtd::validation::Depth;
+use anyhow::{Result, bail};
+use fdtd::validation::{Depth, LAWS, Law};
 
 use super::output::{print, print_json};
 use crate::check::CheckFailed;
@@ -13,9 +13,14 @@ use crate::validate;
 
 /// Arguments of `validate`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  echolot validate --full\n\n\
-    Exits with 1 when a measurement is outside its tolerance. Writes results/validation: validation.json, table.md, data and figures.")]
+#[command(
+    after_help = "Example:\n  echolot validate --full\n  echolot validate --full echoes impedance\n\n\
+    Exits with 1 when a measurement is outside its tolerance. Without LAW writes results/validation: validation.json, table.md, data and figures."
+)]
 pub(crate) struct Arguments {
+    /// Only laws whose name contains one of these; writes no files.
+    #[arg(value_name = "LAW", conflicts_with = "figures_only")]
+    laws: Vec<String>,
     /// All cases of every law instead of a few.
     #[arg(long)]
     full: bool,
@@ -43,18 +48,22 @@ impl Arguments {
         }
         let depth = if self.full { Depth::Full } else { Depth::Quick };
         let started = Instant::now();
-        let rows = validate::run(depth)?;
-        validate::write(&rows, depth, &folder)?;
-        validate::draw(&folder)?;
+        let rows = validate::run(&self.chosen()?, depth)?;
+        let whole = self.laws.is_empty();
+        if whole {
+            validate::write(&rows, depth, &folder)?;
+            validate::draw(&folder)?;
+        }
         if json {
             print_json(&rows)?;
         } else {
             print(&validate::table(&rows))?;
-            eprintln!(
-                "wrote {} in {}",
-                folder.display(),
-                duration(started.elapsed().as_secs_f64())
-            );
+            let taken = duration(started.elapsed().as_secs_f64());
+            if whole {
+                eprintln!("wrote {} in {taken}", folder.display());
+            } else {
+                eprintln!("measured in {taken}");
+            }
         }
         let failed = rows.iter().filter(|row| !row.passed).count();
         if failed > 0 {
@@ -64,5 +73,26 @@ impl Arguments {
             );
         }
         Ok(())
+    }
+
+    /// The laws asked for, in their order; all when none is named.
+    fn chosen(&self) -> Result<Vec<Law>> {
+        for part in &self.laws {
+            if !LAWS.iter().any(|law| law.name.contains(part.as_str())) {
+                let names: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
+                bail!(
+                    "LAW {part}: no law has this in its name; there are: {}",
+                    names.join("; ")
+                );
+            }
+        }
+        let asked = |law: &Law| {
+            self.laws.is_empty()
+                || self
+                    .laws
+                    .iter()
+                    .any(|part| law.name.contains(part.as_str()))
+        };
+        Ok(LAWS.into_iter().filter(asked).collect())
     }
 }

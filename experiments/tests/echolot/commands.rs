@@ -22,6 +22,22 @@ fn every_command_has_help_with_an_example() {
 }
 
 #[test]
+fn single_laws_are_measured_without_writing_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = expect(folder.path(), &["validate", "parallel walls"]);
+    assert!(
+        table.contains("two parallel walls: time scale 1") && !table.contains("dispersion"),
+        "{table}"
+    );
+    assert!(std::fs::read_dir(folder.path()).unwrap().next().is_none());
+    let complaint = refuse(folder.path(), &["validate", "gravity"]);
+    assert!(
+        complaint.contains("LAW gravity") && complaint.contains("absorbing layer"),
+        "{complaint}"
+    );
+}
+
+#[test]
 fn bad_input_is_one_line_that_names_file_and_field() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

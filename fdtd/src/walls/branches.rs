@@ -157,7 +157,8 @@ fn fitted(branches: &[Reduced], own: usize, edge: f64) -> Reduced {
         let others = branches.iter().enumerate().filter(|&(k, _)| k != own);
         // Far beyond all that tells, and finite where another branch resonates without loss.
         let taken: Complex<f64> = others.map(|(_, other)| (other.at(x) + 1e-9).inv()).sum();
-        let weight = 1.0 / (branch.at(x) * (1.0 + taken) + 1.0).norm_sqr();
+        // The root is for octaves, in which the upper half of the band is one of eight.
+        let weight = (x / edge).sqrt() / (branch.at(x) * (1.0 + taken) + 1.0).norm_sqr();
         fit.add(
             weight * 2.0 * x.tan() * branch.inertia,
             -weight * branch.spring / (2.0 * x.tan()),
@@ -261,10 +262,10 @@ mod tests {
             ..resonance(4e3, 0.2, 1.0)
         };
         for (branches, allowed) in [
-            (vec![resonance(4e3, 0.2, 1.0)], 0.014),
+            (vec![resonance(4e3, 0.2, 1.0)], 0.012),
             (
                 vec![resonance(4e3, 0.2, 1.0), resonance(9e3, 0.3, 1.0)],
-                0.005,
+                0.008,
             ),
             (vec![inertance], 0.018),
         ] {
@@ -287,7 +288,7 @@ mod tests {
             let reduced = reduce(&panel, AIR_PASM, dt_s, EDGE)[0];
             1.0 - reduced.inertia / Reduced::new(&panel[0], AIR_PASM, dt_s).inertia
         });
-        assert!(changes[0] < 0.02, "{changes:?}");
-        assert!(changes[1] < changes[0] / 6.0 && changes[2] < changes[1] / 6.0);
+        assert!(changes[0] < 0.03, "{changes:?}");
+        assert!(changes[1] < changes[0] / 3.0 && changes[2] < changes[1] / 3.0);
     }
 }

@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn there_are_subnormal_numbers_without_quiet_steps_and_none_with_them() {
-        for row in measure(160, 150, Some(40)).unwrap() {
+        for row in measure(160, 150, Some(90)).unwrap() {
             let [quiet, loud] = [row.subnormal_share, row.loud_subnormal_share];
             assert!(loud > 0.002, "{}: {loud}", row.scheme);
             assert!(quiet < 0.02 * loud, "{}: {quiet} and {loud}", row.scheme);

@@ -24,15 +24,16 @@ use std::f64::consts::TAU;
 
 #[test]
 fn the_reflection_factor_is_that_of_the_branches() {
-    // All places and angles are left to `echolot validate`.
+    // All frequencies, places and angles are left to `echolot validate`.
     let [whole, part] = PLACES;
     let held = |scheme| {
         CASES
             .into_iter()
             .filter(move |(hz, _)| is_held(scheme, *hz))
     };
-    let all = held(Scheme::O13).map(|case| (Scheme::O13, case, part));
-    let others = [Scheme::Slf, Scheme::M13, Scheme::D25];
+    let every_other = held(Scheme::O13).skip(1).step_by(2);
+    let all = every_other.map(|case| (Scheme::O13, case, part));
+    let others = [Scheme::Slf, Scheme::D25];
     let highest = others.map(|scheme| held(scheme).next_back().map(|case| (scheme, case, whole)));
     for (scheme, (frequency_hz, [normal, .., grazing]), place) in
         all.chain(highest.into_iter().flatten())

@@ -29,10 +29,13 @@ fn the_reflection_factor_is_that_of_the_impedance() {
             &PLACES[..1]
         };
         for (frequency_hz, [normal, .., grazing]) in CASES {
-            if !is_held(scheme, frequency_hz) {
+            let low = frequency_hz < 5e3;
+            if !is_held(scheme, frequency_hz)
+                || (low && matches!(scheme, Scheme::M13 | Scheme::D25))
+            {
                 continue;
             }
-            for &place in places {
+            for &place in if low { &PLACES[..1] } else { places } {
                 let [error, degrees, ratio] =
                     largest(scheme, frequency_hz, &[normal, grazing], place);
                 println!(

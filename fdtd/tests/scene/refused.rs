@@ -104,9 +104,9 @@ fn the_5_point_scheme_at_its_limit_leaves_nothing_to_walls_of_an_impedance() {
 
 #[test]
 fn steps_and_bands_beyond_the_limits_are_refused_with_the_limit() {
-    let message = refusal(&with("/grid/dt_s", json!(1e-5)));
+    let message = refusal(&with("/grid/dt_s", json!(1.1e-5)));
     assert!(
-        message.contains("grid.dt_s: 1e-5 s is over the stability limit of the scheme m13"),
+        message.contains("grid.dt_s: 1.1e-5 s is over the stability limit of the scheme m13"),
         "{message}"
     );
     // What the message gives as the largest step is accepted, and is the largest to four digits.

@@ -154,6 +154,12 @@ impl Simulation {
         Self::build(domain, drive, &listening, options, Plan::whole)
     }
 
+    /// Takes quiet steps ([`crate::field::is_quiet`]) from now on, however long the drive is: for measurements of speed, to which the start of a drive is all
+    /// that there is. What is heard changes by roundings.
+    pub fn quieten(&mut self) {
+        self.drive.set_quiet(true);
+    }
+
     /// A run whose pieces `plan` makes of the domain and the number of steps.
     fn build(
         domain: Domain,

@@ -24,8 +24,8 @@ fn the_resonance_behind_gaps_does_not_grow() {
         dx_m: 5.0 / 300.0,
         dt_s: DT_S,
     };
-    // o13 is m13 with other weights.
-    for scheme in [Scheme::Slf, Scheme::M13, Scheme::D25] {
+    // slf has nothing that a layer could leave unstretched, o13 is m13 with other weights.
+    for scheme in [Scheme::M13, Scheme::D25] {
         let mut rig = Rig::open(scheme, coarse.nx, coarse.ny);
         rig.walls = scene.wall_model.cells(&coarse, &scene.walls);
         let mut field = rig.field();

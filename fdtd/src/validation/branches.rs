@@ -3,9 +3,8 @@
 //! Layout: the duct of [`super::impedance`], its end of several branches ([`walls`]), met at 0 to 73 degrees between 2 and 10 kHz.
 //! Formula: `(Z cos - rho c)/(Z cos + rho c)` with the complex Z of branches `R + i omega L + 1/(i omega C)` in parallel.
 //! Bias: as there: what the surface adds to a real impedance, and the scheme's own error of the group velocity. The step has tangents in place of
-//! frequencies; what the fit of the branches leaves of that counts.
-//! Tolerance: 0.02, wherever the wall lies in the cells; slf up to 4 kHz only. At 10 kHz d25 has 0.03: where an inertance rules, 0.025 was measured, of which
-//! real impedances have up to 0.015 with d25 and the fit of the branches 0.009.
+//! frequencies; what the fit of the branches leaves of all that counts.
+//! Tolerance: 0.02, wherever the wall lies in the cells; slf up to 4 kHz only.
 
 use super::impedance::{heard, is_held, sine};
 use super::rig::AIR;
@@ -60,13 +59,7 @@ pub fn walls() -> [(&'static str, Impedance); 6] {
 }
 
 /// What the reflection factor may be off.
-pub fn tolerance(scheme: Scheme, frequency_hz: f64) -> f64 {
-    if scheme == Scheme::D25 && frequency_hz > 9e3 {
-        0.03
-    } else {
-        0.02
-    }
-}
+pub const TOLERANCE: f64 = 0.02;
 
 /// Errors of the reflection factor of [`walls`], the largest over angle; `place` is what the wall leaves of the cell before it.
 pub fn largest(scheme: Scheme, frequency_hz: f64, modes: &[usize], place: f64) -> [f64; 6] {
@@ -110,12 +103,7 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
                 .map(move |((name, _), error)| {
                     let case =
                         format!("{scheme}, {name}, {khz} kHz, {place} of a cell, worst over angle");
-                    Measurement::below(
-                        case,
-                        "reflection factor, error",
-                        error,
-                        tolerance(scheme, frequency_hz),
-                    )
+                    Measurement::below(case, "reflection factor, error", error, TOLERANCE)
                 })
         })
         .collect();

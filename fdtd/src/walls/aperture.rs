@@ -14,8 +14,9 @@
 //! Weights and mass are those with the least errors of the reflection factor (their eighth powers summed) over frequency, angle and impedance, found by
 //! a search without chance, once for each Courant number and for sixteen places of the wall in a cell.
 
+use super::fit::Remainder;
+use super::half_line::Place;
 use crate::scheme::Polynomial;
-use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
 /// Weights of a surface by the place of the wall.
@@ -49,6 +50,8 @@ pub(super) struct Apertures {
     table: Vec<Aperture>,
     /// Whether the third cell and those along the wall are left out, which the rows of a 5-point stencil do not reach.
     narrow: bool,
+    /// What is left of the errors, for the first sixteen.
+    remainders: Vec<Remainder>,
 }
 
 impl Apertures {
@@ -59,16 +62,19 @@ impl Apertures {
         let edge = BAND_EDGE * if narrow { 0.5 } else { 1.0 };
         let spare = polynomial.spare();
         let mut x = [0.0, 0.0, 0.0, 0.45];
+        let mut remainders = Vec::with_capacity(PLACES);
         let table = (0..PLACES).map(|step| {
             let open = 1.0 - step as f64 / PLACES as f64;
             let places = Place::all(polynomial, open, edge);
             let given = [spare * open, spare, spare];
             x = search(x, free, |x| loss(&places, polynomial.courant, given, x));
-            Aperture {
-                weights: taps(x),
-                along: x[2],
-                mass: x[3].max(least_mass(given, x)),
+            let found = Aperture::found(given, x);
+            let mut remainder = Remainder::none(0.5 * polynomial.courant * edge);
+            for (left, place) in remainder.left.as_flattened_mut().iter_mut().zip(&places) {
+                *left = place.off(polynomial.courant, &found);
             }
+            remainders.push(remainder);
+            found
         });
         let mut table: Vec<Aperture> = table.collect();
         // A wall that leaves nothing of the cell lies on the border of the next.
@@ -82,7 +88,22 @@ impl Apertures {
             along: 0.0,
             mass: table[0].mass,
         });
-        Self { table, narrow }
+        Self {
+            table,
+            narrow,
+            remainders,
+        }
+    }
+
+    /// Half a step's phase at the edge of the band.
+    pub(super) fn edge(&self) -> f64 {
+        self.remainders[0].edge
+    }
+
+    /// The nearest of the places that are worked out to that where the wall leaves the part `open` of the first cell, and what is left of the errors there.
+    pub(super) fn remainder(&self, open: f64) -> (usize, &Remainder) {
+        let place = ((1.0 - open) * PLACES as f64).round() as usize % PLACES;
+        (place, &self.remainders[place])
     }
 
     /// The weights where the wall leaves the part `open` of the first cell and its normal has the cosine `slope` to the axis.
@@ -165,106 +186,21 @@ impl Apertures {
     }
 }
 
-/// Weights of the three cells by the search's variables: what the first has over one, the third, along the wall, and the mass.
+impl Aperture {
+    /// That of the search's variables: what the first cell's weight has over one, the third, along the wall, and the mass, which
+    /// is what passivity asks for where that is more.
+    fn found(given: [f64; 3], x: [f64; 4]) -> Self {
+        Self {
+            weights: taps(x),
+            along: x[2],
+            mass: x[3].max(least_mass(given, x)),
+        }
+    }
+}
+
+/// Weights of the three cells by the search's variables.
 fn taps(x: [f64; 4]) -> [f64; 3] {
     [1.0 + x[0], -x[0] - x[1], x[1]]
-}
-
-/// A plane wave before an axis-parallel wall on the grid.
-struct Place {
-    /// By what y and X are compared with 1 and 0: `chi s cos(angle)/c`.
-    scale: f64,
-    /// `4 sin^2(ky dx/2)`.
-    across: f64,
-    /// `(S - s^2)^-1` of the three cells before the wall.
-    response: [[Complex<f64>; 3]; 3],
-}
-
-impl Place {
-    fn all(polynomial: &Polynomial, open: f64, edge: f64) -> Vec<Self> {
-        let quarters = (1..=4).map(|i| edge * f64::from(i) / 4.0);
-        quarters
-            .flat_map(|k| COSINES.map(|cos| Self::new(polynomial, open, k, cos)))
-            .collect()
-    }
-
-    fn new(polynomial: &Polynomial, open: f64, k: f64, cos: f64) -> Self {
-        let half = 0.5 * polynomial.courant * k;
-        let sine = 2.0 * half.sin();
-        let across = 4.0 * (0.5 * k * (1.0 - cos * cos).sqrt()).sin().powi(2);
-        // Minus the operator less s^2 as a polynomial in the second difference towards the wall.
-        let p = polynomial;
-        let free = p.symbol(0.0, across) - sine * sine;
-        let coefficients = [
-            free,
-            p.linear - p.mixed * across + p.cross * across * across,
-            p.cross * across - p.square,
-            p.cube,
-        ];
-        let mut response = [[Complex::new(0.0, 0.0); 3]; 3];
-        let guess = 4.0 * (0.5 * k * cos).sin().powi(2);
-        let poles = poles(coefficients, guess);
-        for (i, &pole) in poles.iter().enumerate() {
-            let others = poles.iter().enumerate().filter(|&(j, _)| j != i);
-            let apart: Complex<f64> = others.map(|(_, &other)| pole - other).product();
-            let lead = coefficients[poles.len()];
-            let part = chain(open, pole, i == 0);
-            for (row, from) in response.iter_mut().zip(part) {
-                for (value, from) in row.iter_mut().zip(from) {
-                    *value += from / (apart * lead);
-                }
-            }
-        }
-        Self {
-            scale: polynomial.courant * sine * cos / half.cos(),
-            across,
-            response,
-        }
-    }
-}
-
-/// Zeros of a polynomial of degree one to three: first the one near `guess`, then the others, which may be complex.
-fn poles([c0, c1, c2, c3]: [f64; 4], guess: f64) -> Vec<Complex<f64>> {
-    let mut first = guess;
-    for _ in 0..30 {
-        let value = c0 + first * (c1 + first * (c2 + first * c3));
-        first -= value / (c1 + first * (2.0 * c2 + first * 3.0 * c3));
-    }
-    let mut found = vec![Complex::new(first, 0.0)];
-    let (b1, b0) = (c2 + first * c3, c1 + first * (c2 + first * c3));
-    if c3 != 0.0 {
-        let root = Complex::new(b1 * b1 - 4.0 * c3 * b0, 0.0).sqrt();
-        found.extend([-b1 + root, -b1 - root].map(|twice| twice / (2.0 * c3)));
-    } else if b1 != 0.0 {
-        found.push(Complex::new(-b0 / b1, 0.0));
-    }
-    found
-}
-
-/// `(P - pole)^-1` of the first three cells of a half-line of which the wall leaves `open` of the first cell; waves go out where the pole is
-/// that of a wave, and die out elsewhere.
-fn chain(open: f64, pole: Complex<f64>, wave: bool) -> [[Complex<f64>; 3]; 3] {
-    // The cut cell's share, as in [`super::cut`].
-    let face = (4.0 * open / (1.0 + 2.0 * open)).min(1.0);
-    let middle = 0.5 * (2.0 - pole);
-    let root = (middle * middle - 1.0).sqrt();
-    let [one, other] = [middle + root, middle - root];
-    let first = if wave {
-        one.im < 0.0
-    } else {
-        one.norm() < other.norm()
-    };
-    let ratio = if first { one } else { other };
-    let unit = Complex::new(1.0, 0.0);
-    let out = [unit + (1.0 - pole - ratio) / face, unit, ratio];
-    let second = unit - pole * open / face;
-    let back = [
-        unit,
-        second,
-        second + face * (second - unit) - pole * second,
-    ];
-    let jump = face * (out[0] - out[1]) - pole * open * out[0];
-    std::array::from_fn(|i| std::array::from_fn(|j| back[i.min(j)] * out[i.max(j)] / jump))
 }
 
 /// The least mass that keeps the surface passive, from what the cells have to spare.
@@ -276,20 +212,10 @@ fn least_mass(given: [f64; 3], x: [f64; 4]) -> f64 {
 
 /// Sum of the eighth powers of the errors of the reflection factor: nearly their largest, but smooth. `given` is what the cells have to spare.
 fn loss(places: &[Place], courant: f64, given: [f64; 3], x: [f64; 4]) -> f64 {
-    let weights = taps(x);
-    let mass = x[3].max(least_mass(given, x));
+    let aperture = Aperture::found(given, x);
     let mut sum = 0.0;
     for place in places {
-        let mut e = weights;
-        e[0] -= x[2] * place.across;
-        let mut g = Complex::new(0.0, 0.0);
-        for (row, left) in place.response.iter().zip(e) {
-            for (value, right) in row.iter().zip(e) {
-                g += value * left * right;
-            }
-        }
-        let off = 1.0 + place.scale * g.im;
-        let reactance = place.scale * (g.re + mass / (courant * courant));
+        let [off, reactance] = place.off(courant, &aperture);
         for q in RATIOS {
             let below = ((q + 1.0 - off).powi(2) + reactance.powi(2)) * (q + 1.0).powi(2);
             sum += (4.0 * ((q * off).powi(2) + reactance.powi(2)) / below).powi(4);

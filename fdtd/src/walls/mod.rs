@@ -5,8 +5,8 @@
 //! * `cut` (with `clip`): cells that keep the part that walls leave open;
 //! * `faces`: weights of faces, and where walls of an impedance have their surface;
 //! * `openings`: what all of it gives to the field; [`operator`]: the field's rows near walls;
-//! * `impedance`: what the surface of a wall may be; `branches`: one of resistances, inertances and compliances, in steps;
-//! * `surface`: what surfaces of an impedance do to the field; `aperture` and `footprint`: through which cells, before walls along the axes and others;
+//! * `impedance`: what the surface of a wall may be; `branches`: one of resistances, inertances and compliances, in steps; `fit` (with `linear`): which of these;
+//! * `surface`: what surfaces of an impedance do to the field; `aperture` (with `half_line`) and `footprint`: through which cells, before walls along the axes and others;
 //!   `spring`: with how much mass.
 
 mod aperture;
@@ -14,8 +14,11 @@ mod branches;
 mod clip;
 mod cut;
 mod faces;
+mod fit;
 mod footprint;
+mod half_line;
 mod impedance;
+mod linear;
 mod model;
 mod openings;
 pub mod operator;

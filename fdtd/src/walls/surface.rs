@@ -20,9 +20,11 @@
 //! corners and ends, face to face.
 
 use super::WallCells;
-use super::aperture::{Aperture, Apertures, BAND_EDGE};
-use super::branches::{Branches, reduce};
+use super::aperture::{Aperture, Apertures};
+use super::branches::Branches;
+use super::fit::{Reduced, Remainder, reduce};
 use super::footprint::Footprints;
+use super::impedance::Impedance;
 use super::openings::Load;
 use super::spring::{Piece, least_masses};
 use crate::scheme::Polynomial;
@@ -84,38 +86,49 @@ pub(super) fn surfaces(
     let apertures = Apertures::new(polynomial);
     let footprints = Footprints::new(polynomial);
     let courant = polynomial.courant;
-    let narrow = polynomial.square == 0.0;
-    let edge = 0.5 * courant * BAND_EDGE * if narrow { 0.5 } else { 1.0 };
-    let (pieces, usual): (Vec<Piece>, Vec<f64>) = walls
-        .loads()
-        .iter()
-        .map(|load| {
-            let (reach, mass) = if load.nearest_axis().1 > LEAST_SLOPE {
-                let column = Column::of(walls, load);
-                let aperture = apertures.at(column.open, column.slope);
-                (column.reach(walls, &aperture), aperture.mass)
-            } else {
-                footprints.at(walls, load)
-            };
-            let (cell, length) = (load.cell, load.length);
-            let piece = Piece {
-                cell,
-                length,
-                reach,
-            };
-            (piece, mass)
-        })
-        .unzip();
+    let nothing = Remainder::none(apertures.edge());
+    let mut pieces = Vec::with_capacity(walls.loads().len());
+    // Mass before each piece, and what is left of its errors, by a number that tells it from others.
+    let mut before = Vec::with_capacity(walls.loads().len());
+    for load in walls.loads() {
+        let reach = if load.nearest_axis().1 > LEAST_SLOPE {
+            let column = Column::of(walls, load);
+            let aperture = apertures.at(column.open, column.slope);
+            let (place, remainder) = apertures.remainder(column.open);
+            before.push((aperture.mass, (Some(place), remainder)));
+            column.reach(walls, &aperture)
+        } else {
+            let (reach, mass) = footprints.at(walls, load);
+            before.push((mass, (None, &nothing)));
+            reach
+        };
+        pieces.push(Piece {
+            cell: load.cell,
+            length: load.length,
+            reach,
+        });
+    }
     let least = least_masses(walls, polynomial, &pieces);
     let area = |[ix, iy]: [usize; 2]| {
         let opening = walls.opening(ix as isize, iy as isize);
         opening.map_or(1.0, |opening| opening.area)
     };
+    // The pieces of a wall have one impedance.
+    let mut known: Vec<((&Impedance, Option<usize>), Vec<Reduced>)> = Vec::new();
     let mut memory = 0;
     for (index, load) in walls.loads().iter().enumerate() {
         let reach = &pieces[index].reach;
-        let mass = usual[index].max(least[index]) / courant;
-        let branches = reduce(&load.impedance.branches(), characteristic_pasm, dt_s, edge);
+        let (usual, (place, remainder)) = before[index];
+        let mass = usual.max(least[index]) / courant;
+        let key = (&load.impedance, place);
+        let at = known.iter().position(|(of, _)| *of == key);
+        let at = at.unwrap_or_else(|| {
+            let branches = load.impedance.branches();
+            let reduced = reduce(&branches, characteristic_pasm, dt_s, remainder);
+            known.push((key, reduced));
+            known.len() - 1
+        });
+        let branches = &known[at].1;
         let (divisor, reaction) = match branches[..] {
             // An inertance is more of the mass.
             [branch] if branch.spring == 0.0 => {
@@ -123,7 +136,7 @@ pub(super) fn surfaces(
                 let decay = (mass - half) / (mass + half);
                 (mass + half, Reaction::Decay(decay as f32))
             }
-            _ => (1.0, Reaction::Branches(Branches::new(mass, &branches))),
+            _ => (1.0, Reaction::Branches(Branches::new(mass, branches))),
         };
         let mut gains: BTreeMap<usize, Vec<(usize, f32)>> = BTreeMap::new();
         for (&[ix, iy], weight) in reach {

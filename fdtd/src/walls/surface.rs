@@ -114,7 +114,7 @@ pub(super) fn surfaces(
         opening.map_or(1.0, |opening| opening.area)
     };
     // The pieces of a wall have one impedance.
-    let mut known: Vec<((&Impedance, Option<usize>), Vec<Reduced>)> = Vec::new();
+    let mut known: Vec<(Fitted<'_>, Vec<Reduced>)> = Vec::new();
     let mut memory = 0;
     for (index, load) in walls.loads().iter().enumerate() {
         let reach = &pieces[index].reach;
@@ -162,6 +162,9 @@ pub(super) fn surfaces(
     }
     rows
 }
+
+/// What branches are fitted to: the impedance, and the place of the wall where columns of cells serve it.
+type Fitted<'a> = (&'a Impedance, Option<usize>);
 
 /// Weights of cells by column and row.
 pub(super) type Reach = BTreeMap<[usize; 2], f64>;

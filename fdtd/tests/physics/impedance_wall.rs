@@ -15,7 +15,7 @@ use fdtd::field::Field;
 use fdtd::scheme::Scheme;
 use fdtd::validation::impedance::{CASES, PLACES, is_held, largest};
 use fdtd::validation::room::slanted_room;
-use fdtd::validation::tilted_impedance::{self, RATIOS, SCHEMES, TILTS};
+use fdtd::validation::tilted_impedance::{self, RATIOS, TOLERANCE};
 use fdtd::walls::{Impedance, Wall, WallModel};
 use proptest::prelude::*;
 
@@ -50,22 +50,23 @@ fn the_reflection_factor_is_that_of_the_impedance() {
 
 #[test]
 fn the_echo_of_a_tilted_wall_is_the_rigid_one_times_the_factor() {
-    for scheme in SCHEMES {
-        for (tilt_deg, [allowed, _]) in TILTS {
-            // The other schemes at the worst tilts; `echolot validate` has them all.
-            if scheme != Scheme::O13 && tilt_deg != 10.0 && tilt_deg != 40.0 {
-                continue;
-            }
-            let errors = tilted_impedance::errors(scheme, WallModel::CutCells, tilt_deg, 0.0, 0.37)
-                .expect("a finite field");
-            println!("tilted impedance, {scheme}, {tilt_deg} degrees: {errors:?}");
-            for (error, ratio) in errors.into_iter().zip(RATIOS) {
-                assert!(
-                    error < allowed,
-                    "{scheme}, {tilt_deg} degrees, {ratio}: {error}"
-                );
-            }
+    // `echolot validate` has the other tilts and oblique incidence.
+    for (scheme, tilt_deg) in [
+        (Scheme::O13, 10.0),
+        (Scheme::O13, 40.0),
+        (Scheme::M13, 10.0),
+        (Scheme::D25, 30.0),
+    ] {
+        let errors = tilted_impedance::errors(scheme, WallModel::CutCells, tilt_deg, 0.0)
+            .expect("a finite field");
+        println!("tilted impedance, {scheme}, {tilt_deg} degrees: {errors:?}");
+        for (error, ratio) in errors.mean.into_iter().zip(RATIOS) {
+            assert!(
+                error < TOLERANCE,
+                "{scheme}, {tilt_deg} degrees, {ratio}: {error}"
+            );
         }
+        assert!(errors.largest.into_iter().all(|error| error < 0.08));
     }
 }
 

@@ -1,7 +1,7 @@
 //! The fast engine: several steps per pass through memory, vectors of eight or sixteen cells, one strip of rows per thread.
 //!
 //! * `layout`: lane-transposed rows, so that loads are aligned and shared between columns.
-//! * `memory`: what the absorbing layers remember.
+//! * `memory`: what the absorbing layers remember; `walls`: what walls change.
 //! * `tiles`: time blocks of strips of rows, so that threads meet once per block; `team`: these threads.
 //! * `kernel`: the sweeps, a wavefront of short blocks of rows that keeps the rows of all steps of a block in cache, and the
 //!   vectors of eight or sixteen numbers they are written with.
@@ -11,6 +11,7 @@ mod layout;
 mod memory;
 mod team;
 mod tiles;
+mod walls;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -23,42 +24,14 @@ use self::kernel::Shared;
 use self::layout::RowLayout;
 use self::memory::{MemoryX, MemoryY};
 use self::team::Team;
+use self::walls::Walls;
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows};
 use crate::pml::Profile;
 use crate::spread::TAPS;
-use crate::walls::Reaction;
 
 /// Steps per time block, times the stencil's radius: the rows in flight of all steps (about `2 BLOCK` rows, 350 KiB at
 /// 1000 columns) stay in the second-level cache. From 16 to 64 the speed is the same on one thread within a few per cent.
 const BLOCK: usize = 32;
-
-/// One row's walls in terms of the layout.
-#[derive(Debug, Default)]
-struct RowWalls {
-    corrections: Vec<RowCorrection>,
-    solid: Vec<u32>,
-    surfaces: Vec<RowSurface>,
-}
-
-/// A surface that is not rigid, as [`crate::walls::Surface`] has it.
-#[derive(Debug)]
-struct RowSurface {
-    /// `(offset from the row's start, weight)`.
-    taps: Vec<(i32, f32)>,
-    /// `(offset in the row, gain)`.
-    gains: Vec<(u32, f32)>,
-    reaction: Reaction,
-    memory: usize,
-    memory_count: usize,
-}
-
-/// One corrected cell: its offset in the row, and its entries in [`Plan::entries`].
-#[derive(Debug)]
-struct RowCorrection {
-    at: u32,
-    first: u32,
-    end: u32,
-}
 
 /// All that stays the same from block to block.
 #[derive(Debug)]
@@ -69,9 +42,7 @@ struct Plan {
     memory_y: MemoryY,
     high: Profile,
     row_decay: Vec<Option<[f32; 3]>>,
-    walls: Vec<RowWalls>,
-    /// `(offset from the row's start, weight)`.
-    entries: Vec<(i32, f32)>,
+    walls: Walls,
     instructions: InstructionSet,
 }
 
@@ -212,52 +183,6 @@ impl FastField {
 
 impl Plan {
     fn new(setup: FieldSetup, layout: RowLayout, instructions: InstructionSet) -> Self {
-        let mut entries = Vec::new();
-        let stride = layout.stride as isize;
-        let walls = setup
-            .walls
-            .corrections
-            .iter()
-            .zip(&setup.walls.solid)
-            .zip(&setup.walls.surfaces)
-            .map(|((corrections, solid), surfaces)| RowWalls {
-                surfaces: surfaces
-                    .iter()
-                    .map(|surface| RowSurface {
-                        taps: surface
-                            .taps
-                            .iter()
-                            .map(|&(dy, ix, weight)| {
-                                ((dy * stride + layout.offset(ix) as isize) as i32, weight)
-                            })
-                            .collect(),
-                        gains: surface
-                            .gains
-                            .iter()
-                            .map(|&(ix, gain)| (layout.offset(ix) as u32, gain))
-                            .collect(),
-                        reaction: surface.reaction.clone(),
-                        memory: surface.memory,
-                        memory_count: surface.memory_count(),
-                    })
-                    .collect(),
-                corrections: corrections
-                    .iter()
-                    .map(|correction| {
-                        let first = entries.len() as u32;
-                        entries.extend(correction.entries.iter().map(|&(dy, ix, weight)| {
-                            ((dy * stride + layout.offset(ix) as isize) as i32, weight)
-                        }));
-                        RowCorrection {
-                            at: layout.offset(correction.ix) as u32,
-                            first,
-                            end: entries.len() as u32,
-                        }
-                    })
-                    .collect(),
-                solid: solid.iter().map(|&ix| layout.offset(ix) as u32).collect(),
-            });
-        let walls = walls.collect();
         Self {
             high: setup.layer.mirrored(),
             memory_x: MemoryX::new(setup.layer.width()),
@@ -265,9 +190,8 @@ impl Plan {
             row_decay: (0..setup.ny)
                 .map(|iy| setup.layer.row(setup.ny, iy))
                 .collect(),
+            walls: Walls::new(&setup.walls, &layout),
             layout,
-            walls,
-            entries,
             instructions,
             setup,
         }

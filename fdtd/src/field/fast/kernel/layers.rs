@@ -187,27 +187,74 @@ pub(super) unsafe fn along_y<V: Vector, S: Sweep<V>>(
     vectors: Range<usize>,
     rows: Range<usize>,
 ) {
-    for iy in rows {
-        let Some(layer) = LayerRow::new(plan, shared, iy) else {
-            continue;
-        };
-        let row = (iy + plan.layout.halo) * plan.layout.stride;
-        for j in vectors.clone() {
-            let x = plan.layout.centre_at + j * V::LANES;
-            // SAFETY: the caller's promise.
-            unsafe {
-                let next = levels.next.add(row + x);
-                layer
-                    .absorb::<V, S>(
-                        weights,
-                        levels.now.add(row + x),
-                        V::LANES,
-                        x,
-                        V::load(next),
-                        0,
-                    )
-                    .store(next);
+    let cells = plan.setup.layer.cells();
+    let low = rows.start..rows.end.min(cells);
+    let high = rows.start.max(plan.setup.ny - cells)..rows.end;
+    let at = |j: usize| plan.layout.centre_at + j * V::LANES;
+    // SAFETY: the caller's promise.
+    unsafe {
+        if !low.is_empty() {
+            for j in vectors.clone() {
+                column_along_y::<V, S, false>(plan, shared, levels, weights, at(j), low.clone());
             }
+        }
+        if !high.is_empty() {
+            for j in vectors {
+                column_along_y::<V, S, true>(plan, shared, levels, weights, at(j), high.clone());
+            }
+        }
+    }
+}
+
+/// The layer along y on side `HIGH` in the column of vectors at `x` of the centre, rows in ascending order: a row's upper slope and face are
+/// the next row's lower ones.
+///
+/// # Safety
+/// As [`super::run_tile`], for these rows.
+#[inline(always)]
+unsafe fn column_along_y<V: Vector, S: Sweep<V>, const HIGH: bool>(
+    plan: &Plan,
+    shared: Shared,
+    levels: Levels,
+    weights: &Splat<V>,
+    x: usize,
+    rows: Range<usize>,
+) {
+    let Some(first) = LayerRow::new(plan, shared, rows.start) else {
+        return;
+    };
+    let stride = plan.layout.stride;
+    let courant2 = V::splat(first.courant2);
+    // SAFETY: the caller's promise.
+    unsafe {
+        let at = (rows.start + plan.layout.halo) * stride + x;
+        let (mut now, mut next) = (levels.now.add(at), levels.next.add(at));
+        let mut face = first.face.add(x);
+        let layered = |at: *const f32| S::layered(weights, at, stride, V::LANES);
+        let mut here = layered(now);
+        let mut lower_slope = here.sub(layered(now.sub(stride)));
+        let mut lower = if HIGH {
+            // The row below has left the new memory of the face between.
+            V::load(face.sub(2 * stride))
+        } else {
+            face_memory(V::splat(first.decay[0]), V::load(face), lower_slope)
+        };
+        for decay in &plan.row_decay[rows] {
+            let decay = decay.unwrap_or_default().map(V::splat);
+            let north = layered(now.add(stride));
+            let upper_slope = north.sub(here);
+            let old = V::load(if HIGH { face } else { face.add(2 * stride) });
+            let upper = face_memory(decay[1], old, upper_slope);
+            let cell = face.add(stride);
+            let slopes = [lower_slope, upper_slope];
+            let (zeta, change) = layer_cell(slopes, [lower, upper], decay[2], V::load(cell));
+            (if HIGH { upper } else { lower }).store(face);
+            zeta.store(cell);
+            courant2.mul_add(change, V::load(next)).store(next);
+            (here, lower_slope, lower) = (north, upper_slope, upper);
+            now = now.add(stride);
+            next = next.add(stride);
+            face = face.add(2 * stride);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The unsafe heart of the fast engine: sweeps over rows through raw pointers. Nothing outside this folder is unsafe.
 //!
-//! * here: who runs which rows of which step, walls, source and receiver;
+//! * here: who runs which rows of which step, source and receiver; `walls`: what walls change;
 //! * `sweep`, `slf`, `m13`, `d25`: the plain stencils;
 //! * `layers`: the strips beside the centre, and the absorbing layers;
 //! * `quiet`: small numbers set to zero;
@@ -26,6 +26,7 @@ mod quiet;
 mod slf;
 mod sweep;
 mod vector;
+mod walls;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -41,13 +42,12 @@ use self::sweep::Sweep;
 use self::vector::{Avx, Avx512};
 use self::vector::{Plain, Vector};
 use super::super::stencil::Splat;
-use super::super::{StepForcing, quieten};
+use super::super::StepForcing;
 use super::team::{Front, Team};
 use super::tiles::Tile;
 use super::{Line, Plan};
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
-use crate::walls::Reaction;
 
 /// The buffers of a field as the tiles of one time block see them.
 #[derive(Clone, Copy)]
@@ -280,51 +280,27 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             layers::along_y::<V, S>(plan, shared, levels, weights, vectors, rows.clone());
         }
         // After the centre: the single cells of the halo that strips read were stored long ago by then.
+        for first in rows.clone().step_by(EDGE_ROWS) {
+            let few = first..rows.end.min(first + EDGE_ROWS);
+            layers::strips::<V::Narrow, S>(plan, shared, levels, few);
+        }
+        if forcing.quiet {
+            quiet::cells(plan, levels, rows.clone());
+        }
+        walls::correct(&plan.walls, levels, &rows);
         for iy in rows.clone() {
-            if (iy - rows.start).is_multiple_of(EDGE_ROWS) {
-                let few = iy..rows.end.min(iy + EDGE_ROWS);
-                layers::strips::<V::Narrow, S>(plan, shared, levels, few);
-            }
+            let at = (iy + layout.halo) * stride;
+            let surfaces = &plan.walls.surfaces[iy];
+            walls::react(surfaces, shared, levels.now.add(at), levels.next.add(at));
+        }
+        if forcing.quiet {
+            quiet::walls(plan, shared, levels, rows.clone());
+        }
+        walls::silence(&plan.walls, levels, &rows);
+        for iy in rows {
             let at = (iy + layout.halo) * stride;
             let next = levels.next.add(at);
             let next = std::slice::from_raw_parts_mut(next, stride);
-            let walls = &plan.walls[iy];
-            if forcing.quiet {
-                quieten(next);
-            }
-            for correction in &walls.corrections {
-                let mut sum = 0.0_f32;
-                let entries = correction.first as usize..correction.end as usize;
-                for &(offset, weight) in &plan.entries[entries] {
-                    sum = weight.mul_add(*levels.now.offset(at as isize + offset as isize), sum);
-                }
-                next[correction.at as usize] += sum;
-            }
-            for surface in &walls.surfaces {
-                let memory = shared.surfaces.add(surface.memory);
-                let memory = std::slice::from_raw_parts_mut(memory, surface.memory_count);
-                let mut sum = match surface.reaction {
-                    Reaction::Decay(decay) => decay * memory[0],
-                    Reaction::Branches(_) => 0.0,
-                };
-                for &(offset, weight) in &surface.taps {
-                    sum = weight.mul_add(*levels.now.offset(at as isize + offset as isize), sum);
-                }
-                let change = match &surface.reaction {
-                    Reaction::Decay(_) => std::mem::replace(&mut memory[0], sum) - sum,
-                    Reaction::Branches(branches) => branches.step(sum, memory),
-                };
-                for &(offset, gain) in &surface.gains {
-                    let p = &mut next[offset as usize];
-                    *p = gain.mul_add(change, *p);
-                }
-            }
-            if forcing.quiet {
-                quiet::walls(walls, shared, next);
-            }
-            for &solid in &walls.solid {
-                next[solid as usize] = 0.0;
-            }
             for injection in &forcing.injections {
                 let s = &injection.stencil;
                 if let Some(wy) = iy.checked_sub(s.y0).and_then(|j| s.wy.get(j)) {

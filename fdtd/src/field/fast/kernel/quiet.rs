@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::super::super::{layer_row, quieten};
-use super::super::{Plan, RowWalls};
-use super::Shared;
+use super::super::Plan;
+use super::{Levels, Shared};
 
 /// What a quiet step does to the memory of the layers in some rows before it is used.
 ///
@@ -29,22 +29,38 @@ pub(super) unsafe fn memory(plan: &Plan, shared: Shared, rows: Range<usize>) {
     }
 }
 
-/// What a quiet step does to the cells of a row that its walls have changed, and to the memory of its surfaces.
+/// What a quiet step does to the cells of some rows after their plain step.
 ///
 /// # Safety
-/// As [`super::run_tile`], for this row.
-pub(super) unsafe fn walls(walls: &RowWalls, shared: Shared, next: &mut [f32]) {
-    for correction in &walls.corrections {
-        quieten(&mut next[correction.at as usize..][..1]);
+/// As [`super::run_tile`], for these rows.
+pub(super) unsafe fn cells(plan: &Plan, levels: Levels, rows: Range<usize>) {
+    let stride = plan.layout.stride;
+    let first = (rows.start + plan.layout.halo) * stride;
+    // SAFETY: rows of this thread.
+    quieten(unsafe {
+        std::slice::from_raw_parts_mut(levels.next.add(first), rows.len() * stride)
+    });
+}
+
+/// What a quiet step does to the cells of some rows that walls have changed, and to the memory of their surfaces.
+///
+/// # Safety
+/// As [`super::run_tile`], for these rows.
+pub(super) unsafe fn walls(plan: &Plan, shared: Shared, levels: Levels, rows: Range<usize>) {
+    // SAFETY: cells of rows of this thread, and memory of their surfaces, which belongs to who writes the row.
+    let part = |at: *mut f32, count: usize| quieten(unsafe { std::slice::from_raw_parts_mut(at, count) });
+    for corrections in &plan.walls.corrections {
+        for &at in corrections.of(&rows).0 {
+            part(levels.next.wrapping_add(at as usize), 1);
+        }
     }
-    for surface in &walls.surfaces {
-        // SAFETY: the memory of a row's surfaces belongs to who writes the row.
-        quieten(unsafe {
-            let memory = shared.surfaces.add(surface.memory);
-            std::slice::from_raw_parts_mut(memory, surface.memory_count)
-        });
-        for &(offset, _) in &surface.gains {
-            quieten(&mut next[offset as usize..][..1]);
+    for iy in rows {
+        let row = levels.next.wrapping_add((iy + plan.layout.halo) * plan.layout.stride);
+        for surface in &plan.walls.surfaces[iy] {
+            part(shared.surfaces.wrapping_add(surface.memory), surface.memory_count);
+            for &(offset, _) in &surface.gains {
+                part(row.wrapping_add(offset as usize), 1);
+            }
         }
     }
 }

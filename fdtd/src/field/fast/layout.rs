@@ -29,15 +29,17 @@ pub(super) struct RowLayout {
     pub(super) high_at: usize,
     /// Distance between rows; a whole number of vectors and no multiple of 4 KiB.
     pub(super) stride: usize,
-    /// The strips, cut into narrow vectors; those of the layers from the outside inwards.
+    /// The strips, cut into vectors; those of the layers from the outside inwards.
     pub(super) columns: Vec<Column>,
 }
 
-/// A narrow vector of cells of a strip.
+/// A vector of cells of a strip.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Column {
     /// Its offset in the row.
     pub(super) at: usize,
+    /// Its cells: as many as a vector has lanes in the outer part of a layer, else [`NARROW`].
+    pub(super) cells: usize,
     /// So many of its first cells are not its own: they lie before the strip or in another column.
     pub(super) foreign: usize,
     /// If it belongs to an absorbing layer: which one (0 low, 1 high), and its first cell in the profile.
@@ -73,32 +75,44 @@ impl RowLayout {
         if stride % 1024 < 2 * lanes {
             stride += 2 * lanes;
         }
-        let mut columns = Vec::new();
-        for i in (0..low).step_by(NARROW) {
-            let layer = (i < layer).then_some((0, i));
-            columns.push(Column {
-                at: low_at + i,
-                foreign: 0,
-                layer,
-            });
+        // From the outside inwards, as wide as it goes: a wide vector costs less than two narrow ones.
+        let mut parts = Vec::new();
+        let mut first = 0;
+        while first < layer {
+            let cells = if first + lanes <= layer {
+                lanes
+            } else {
+                NARROW
+            };
+            parts.push((first, cells));
+            first += cells;
         }
+        let in_layer = |side: usize, at: usize, first: usize, cells: usize| Column {
+            at: at + first,
+            cells,
+            foreign: 0,
+            layer: Some((side, first)),
+        };
+        let plain = |at: usize, foreign: usize| Column {
+            at,
+            cells: NARROW,
+            foreign,
+            layer: None,
+        };
+        let mut columns: Vec<Column> = (parts.iter())
+            .map(|&(first, cells)| in_layer(0, low_at, first, cells))
+            .collect();
+        columns.extend((layer..low).step_by(NARROW).map(|i| plain(low_at + i, 0)));
         let layer_at = high_at + high - layer;
         let mut foreign = (layer_at - high_at).next_multiple_of(NARROW) - (layer_at - high_at);
         for at in (high_at - foreign..layer_at).step_by(NARROW) {
-            columns.push(Column {
-                at,
-                foreign,
-                layer: None,
-            });
+            columns.push(plain(at, foreign));
             foreign = 0;
         }
-        for i in (0..layer).step_by(NARROW).rev() {
-            columns.push(Column {
-                at: layer_at + i,
-                foreign: 0,
-                layer: Some((1, i)),
-            });
-        }
+        columns.extend(
+            (parts.iter())
+                .map(|&(first, cells)| in_layer(1, layer_at, layer - first - cells, cells)),
+        );
         Self {
             nx,
             lanes,
@@ -187,7 +201,7 @@ mod tests {
             let layout = RowLayout::new(nx, 24, lanes, radius);
             let plain: Vec<f32> = (1..=nx).map(|i| i as f32).collect();
             let mut row = vec![0.0; layout.stride];
-            let own = |column: &Column| column.at + column.foreign..column.at + NARROW;
+            let own = |column: &Column| column.at + column.foreign..column.at + column.cells;
             let mut in_strips: Vec<usize> = layout.columns.iter().flat_map(own).collect();
             in_strips.sort_unstable();
             let strips = (0..nx).filter(|ix| !in_centre(&layout, *ix));

@@ -84,9 +84,8 @@ impl Walls {
     /// Those of `walls` in rows of `layout`.
     pub(super) fn new(walls: &WallOperator, layout: &RowLayout) -> Self {
         let row_at = |iy: usize| (iy + layout.halo) * layout.stride;
-        let offset = |dy: isize, ix: usize| {
-            (dy * layout.stride as isize) as i32 + layout.offset(ix) as i32
-        };
+        let offset =
+            |dy: isize, ix: usize| (dy * layout.stride as isize) as i32 + layout.offset(ix) as i32;
         let mut counts: Vec<usize> = (walls.corrections.iter().flatten())
             .map(|correction| correction.entries.len())
             .collect();
@@ -95,7 +94,10 @@ impl Walls {
         let corrections = counts.into_iter().map(|each| {
             let (mut cells, mut entries) = (Cells::default(), Vec::new());
             for (iy, row) in walls.corrections.iter().enumerate() {
-                let row = || row.iter().filter(|correction| correction.entries.len() == each);
+                let row = || {
+                    row.iter()
+                        .filter(|correction| correction.entries.len() == each)
+                };
                 cells.push_row(row().map(|correction| row_at(iy) + layout.offset(correction.ix)));
                 entries.extend(row().flat_map(|correction| {
                     let own = layout.offset(correction.ix) as i32;

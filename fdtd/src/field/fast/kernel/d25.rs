@@ -4,6 +4,7 @@
 //! running sums, west to east: sixteen arithmetic operations and eight loads per vector instead of 27 and 26.
 
 use super::super::super::stencil::Splat;
+use super::near::Near;
 use super::sweep::Sweep;
 use super::vector::Vector;
 
@@ -12,33 +13,42 @@ pub(super) struct D25;
 
 impl<V: Vector> Sweep<V> for D25 {
     #[inline(always)]
-    unsafe fn layered(w: &Splat<V>, at: *const f32, along: usize, across: usize) -> V {
+    unsafe fn layered<N: Near<V>>(w: &Splat<V>, near: &N) -> V {
         // SAFETY: the caller's promise.
         unsafe {
-            let pair = |d: usize| [V::load(at.sub(d)), V::load(at.add(d))];
-            let (below, above) = (at.sub(along), at.add(along));
             w.d25_layer(
-                V::load(at),
-                [pair(along), pair(2 * along)],
-                pair(across),
-                [below, above].map(|p| [V::load(p.sub(across)), V::load(p.add(across))]),
+                near.at(0, 0),
+                [
+                    [near.at(-1, 0), near.at(1, 0)],
+                    [near.at(-2, 0), near.at(2, 0)],
+                ],
+                [near.at(0, -1), near.at(0, 1)],
+                [
+                    [near.at(-1, -1), near.at(-1, 1)],
+                    [near.at(1, -1), near.at(1, 1)],
+                ],
             )
         }
     }
 
     #[inline(always)]
-    unsafe fn cells(w: &Splat<V>, at: *const f32, stride: usize, past: V) -> V {
+    unsafe fn cells<N: Near<V>>(w: &Splat<V>, near: &N, past: V) -> V {
         // SAFETY: the caller's promise.
         unsafe {
             let sum = w
-                .d25_first(V::load(at.sub(3)), past)
-                .add(sides(w, at.sub(2), stride)[1])
-                .add(sides(w, at.sub(1), stride)[0]);
+                .d25_first(near.at(-3, 0), past)
+                .add(sides_near(w, near, -2)[1])
+                .add(sides_near(w, near, -1)[0]);
+            let verticals = [
+                near.at(0, -1).add(near.at(0, 1)),
+                near.at(0, -2).add(near.at(0, 2)),
+                near.at(0, -3).add(near.at(0, 3)),
+            ];
             let sum = w
-                .d25_own(V::load(at), verticals(at, stride), sum)
-                .add(sides(w, at.add(1), stride)[0])
-                .add(sides(w, at.add(2), stride)[1]);
-            w.d25_last(V::load(at.add(3)), sum)
+                .d25_own(near.at(0, 0), verticals, sum)
+                .add(sides_near(w, near, 1)[0])
+                .add(sides_near(w, near, 2)[1]);
+            w.d25_last(near.at(3, 0), sum)
         }
     }
 
@@ -107,6 +117,25 @@ unsafe fn sides<V: Vector>(w: &Splat<V>, at: *const f32, stride: usize) -> [V; 2
         w.d25_sides(
             V::load(at),
             [vertical(at, stride), vertical(at, 2 * stride)],
+        )
+    }
+}
+
+/// As [`sides`], for the column `dx` (1 or 2) away.
+///
+/// # Safety
+/// As [`Near::at`].
+#[inline(always)]
+unsafe fn sides_near<V: Vector, N: Near<V>>(w: &Splat<V>, near: &N, dx: isize) -> [V; 2] {
+    // SAFETY: the caller's promise; what a column two away gives beside it is not asked for, and takes no cell out of reach.
+    unsafe {
+        let far = 3 - dx.abs();
+        w.d25_sides(
+            near.at(dx, 0),
+            [
+                near.at(dx, -1).add(near.at(dx, 1)),
+                near.at(dx, -far).add(near.at(dx, far)),
+            ],
         )
     }
 }

@@ -9,7 +9,8 @@ use std::ops::Range;
 use super::super::super::layer_row;
 use super::super::super::stencil::{Splat, face_memory, layer_cell};
 use super::super::Plan;
-use super::super::layout::Column;
+use super::super::layout::{Column, NARROW};
+use super::near::{Loads, Near, Shifted, Turned};
 use super::sweep::Sweep;
 use super::vector::Vector;
 use super::{Levels, Shared};
@@ -19,7 +20,7 @@ use super::{Levels, Shared};
 /// # Safety
 /// As [`super::run_tile`], for these rows.
 #[inline(always)]
-pub(super) unsafe fn strips<V: Vector, S: Sweep<V>>(
+pub(super) unsafe fn strips<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     plan: &Plan,
     shared: Shared,
     levels: Levels,
@@ -48,29 +49,37 @@ pub(super) unsafe fn strips<V: Vector, S: Sweep<V>>(
 /// # Safety
 /// As [`strips`].
 #[inline(always)]
-unsafe fn strip_rows<V: Vector, S: Sweep<V>, const ALONG_Y: bool>(
+unsafe fn strip_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>, const ALONG_Y: bool>(
     plan: &Plan,
     shared: Shared,
     levels: Levels,
     rows: Range<usize>,
 ) {
     let weights = &Splat::<V>::new(&plan.setup.weights);
+    let narrow = &Splat::<V::Narrow>::new(&plan.setup.weights);
     for column in &plan.layout.columns {
-        let rows = rows.clone();
+        let (rows, x) = (rows.clone(), column.at);
+        let wide = column.cells > NARROW;
         // SAFETY: the caller's promise.
         unsafe {
             match column.layer {
-                Some((0, first)) => layer_column::<V, S, 0, ALONG_Y>(
-                    plan, shared, levels, weights, column.at, first, rows,
-                ),
-                Some((_, first)) => layer_column::<V, S, 1, ALONG_Y>(
-                    plan, shared, levels, weights, column.at, first, rows,
-                ),
-                None if column.foreign == 0 => {
-                    plain_column::<V, S, true, ALONG_Y>(plan, shared, levels, weights, column, rows)
+                Some((0, first)) if wide => {
+                    layer_column::<V, S, 0, ALONG_Y>(plan, shared, levels, weights, x, first, rows)
                 }
-                None => plain_column::<V, S, false, ALONG_Y>(
-                    plan, shared, levels, weights, column, rows,
+                Some((0, first)) => layer_column::<V::Narrow, S, 0, ALONG_Y>(
+                    plan, shared, levels, narrow, x, first, rows,
+                ),
+                Some((_, first)) if wide => {
+                    layer_column::<V, S, 1, ALONG_Y>(plan, shared, levels, weights, x, first, rows)
+                }
+                Some((_, first)) => layer_column::<V::Narrow, S, 1, ALONG_Y>(
+                    plan, shared, levels, narrow, x, first, rows,
+                ),
+                None if column.foreign == 0 => plain_column::<V::Narrow, S, true, ALONG_Y>(
+                    plan, shared, levels, narrow, column, rows,
+                ),
+                None => plain_column::<V::Narrow, S, false, ALONG_Y>(
+                    plan, shared, levels, narrow, column, rows,
                 ),
             }
         }
@@ -109,16 +118,17 @@ unsafe fn layer_column<V: Vector, S: Sweep<V>, const SIDE: usize, const ALONG_Y:
             V::load(profile.cell.as_ptr().add(first)),
         ];
         let at = (rows.start + plan.layout.halo) * stride + x;
-        let (mut now, mut next) = (levels.now.add(at), levels.next.add(at));
+        let mut next = levels.next.add(at);
         let mut memory = shared.layer_x.add(rows.start * memory_stride + first);
+        let mut near = Loads::plain(levels.now.add(at), stride);
         for iy in rows {
-            let mut p = S::cells(weights, now, stride, V::load(next));
+            let mut p = S::cells(weights, &near, V::load(next));
             if ALONG_Y && let Some(along_y) = LayerRow::new(plan, shared, iy) {
-                p = along_y.absorb::<V, S>(weights, now, 1, x, p, 0);
+                p = along_y.absorb::<V, S, Loads>(weights, &near, x, p, 0);
             }
-            let here = S::layered(weights, now, 1, stride);
-            let west = S::layered(weights, now.sub(1), 1, stride);
-            let east = S::layered(weights, now.add(1), 1, stride);
+            let here = S::layered(weights, &near);
+            let west = S::layered(weights, &beside(&near, -1, 0));
+            let east = S::layered(weights, &beside(&near, 1, 0));
             let slopes = [here.sub(west), east.sub(here)];
             let (face, cell) = (memory.add(face_at), memory.add(cell_at));
             // The column farther in, which has the inner face of the last cell, comes later.
@@ -136,7 +146,7 @@ unsafe fn layer_column<V: Vector, S: Sweep<V>, const SIDE: usize, const ALONG_Y:
             (if SIDE == 0 { lower } else { upper }).store(face);
             zeta.store(cell);
             courant2.mul_add(change, p).store(next);
-            now = now.add(stride);
+            near.here = near.here.add(stride);
             next = next.add(stride);
             memory = memory.add(memory_stride);
         }
@@ -164,9 +174,10 @@ unsafe fn plain_column<V: Vector, S: Sweep<V>, const WHOLE: bool, const ALONG_Y:
         unsafe {
             let (now, next) = (levels.now.add(at), levels.next.add(at));
             let past = V::load(next);
-            let mut p = S::cells(weights, now, stride, past);
+            let near = Loads::plain(now, stride);
+            let mut p = S::cells(weights, &near, past);
             if ALONG_Y && let Some(along_y) = LayerRow::new(plan, shared, iy) {
-                p = along_y.absorb::<V, S>(weights, now, 1, column.at, p, foreign);
+                p = along_y.absorb::<V, S, Loads>(weights, &near, column.at, p, foreign);
             }
             let p = if WHOLE { p } else { p.after(past, foreign) };
             p.store(next);
@@ -228,11 +239,16 @@ unsafe fn column_along_y<V: Vector, S: Sweep<V>, const HIGH: bool>(
     // SAFETY: the caller's promise.
     unsafe {
         let at = (rows.start + plan.layout.halo) * stride + x;
-        let (mut now, mut next) = (levels.now.add(at), levels.next.add(at));
+        let (now, mut next) = (levels.now.add(at), levels.next.add(at));
         let mut face = first.face.add(x);
-        let layered = |at: *const f32| S::layered(weights, at, stride, V::LANES);
-        let mut here = layered(now);
-        let mut lower_slope = here.sub(layered(now.sub(stride)));
+        let mut near = Loads {
+            here: now,
+            ahead: V::LANES,
+            stride,
+        };
+        let mut here = S::layered(weights, &Turned(&near));
+        let south = S::layered(weights, &Turned(&beside(&near, 0, -1)));
+        let mut lower_slope = here.sub(south);
         let mut lower = if HIGH {
             // The row below has left the new memory of the face between.
             V::load(face.sub(2 * stride))
@@ -241,7 +257,7 @@ unsafe fn column_along_y<V: Vector, S: Sweep<V>, const HIGH: bool>(
         };
         for decay in &plan.row_decay[rows] {
             let decay = decay.unwrap_or_default().map(V::splat);
-            let north = layered(now.add(stride));
+            let north = S::layered(weights, &Turned(&beside(&near, 0, 1)));
             let upper_slope = north.sub(here);
             let old = V::load(if HIGH { face } else { face.add(2 * stride) });
             let upper = face_memory(decay[1], old, upper_slope);
@@ -252,11 +268,17 @@ unsafe fn column_along_y<V: Vector, S: Sweep<V>, const HIGH: bool>(
             zeta.store(cell);
             courant2.mul_add(change, V::load(next)).store(next);
             (here, lower_slope, lower) = (north, upper_slope, upper);
-            now = now.add(stride);
+            near.here = near.here.add(stride);
             next = next.add(stride);
             face = face.add(2 * stride);
         }
     }
+}
+
+/// The neighbourhood of the cells `dx` columns to the east and `dy` rows to the north.
+#[inline(always)]
+fn beside<N>(near: &N, dx: isize, dy: isize) -> Shifted<'_, N> {
+    Shifted { near, dx, dy }
 }
 
 /// A row of a layer along y.
@@ -284,17 +306,16 @@ impl LayerRow {
         })
     }
 
-    /// New pressure after the layer of the vector at `now`, `x` from the start of the row, from the one before; `ahead` is the
-    /// distance of the next cell along x in memory. The memory of the first `foreign` cells stays as it is.
+    /// New pressure after the layer of the cells amid `near`, `x` from the start of the row, from the one before. The memory of
+    /// the first `foreign` cells stays as it is.
     ///
     /// # Safety
-    /// The vector's memory must be this thread's, what the layer reads of `now` be readable, and the row below done but not the row above.
+    /// The cells' memory must be this thread's, as many rows and cells beyond these as the stencil reaches be readable, and the row below done but not the row above.
     #[inline(always)]
-    unsafe fn absorb<V: Vector, S: Sweep<V>>(
+    unsafe fn absorb<V: Vector, S: Sweep<V>, N: Near<V>>(
         &self,
         weights: &Splat<V>,
-        now: *const f32,
-        ahead: usize,
+        near: &N,
         x: usize,
         p: V,
         foreign: usize,
@@ -302,12 +323,10 @@ impl LayerRow {
         let stride = self.stride;
         // SAFETY: the caller's promise.
         unsafe {
-            let layered = |at: *const f32| S::layered(weights, at, stride, ahead);
-            let here = layered(now);
-            let slopes = [
-                here.sub(layered(now.sub(stride))),
-                layered(now.add(stride)).sub(here),
-            ];
+            let here = S::layered(weights, &Turned(near));
+            let south = S::layered(weights, &Turned(&beside(near, 0, -1)));
+            let north = S::layered(weights, &Turned(&beside(near, 0, 1)));
+            let slopes = [here.sub(south), north.sub(here)];
             let decay = self.decay.map(V::splat);
             let face = self.face.add(x);
             let cell = face.add(stride);

@@ -1,6 +1,7 @@
 //! The 13-point scheme's sweep.
 
 use super::super::super::stencil::Splat;
+use super::near::Near;
 use super::sweep::Sweep;
 use super::vector::Vector;
 
@@ -9,32 +10,32 @@ pub(super) struct M13;
 
 impl<V: Vector> Sweep<V> for M13 {
     #[inline(always)]
-    unsafe fn layered(w: &Splat<V>, at: *const f32, along: usize, across: usize) -> V {
+    unsafe fn layered<N: Near<V>>(w: &Splat<V>, near: &N) -> V {
         // SAFETY: the caller's promise.
         unsafe {
             w.m13_layer(
-                V::load(at),
-                [V::load(at.sub(along)), V::load(at.add(along))],
-                [V::load(at.sub(across)), V::load(at.add(across))],
+                near.at(0, 0),
+                [near.at(-1, 0), near.at(1, 0)],
+                [near.at(0, -1), near.at(0, 1)],
             )
         }
     }
 
     #[inline(always)]
-    unsafe fn cells(w: &Splat<V>, at: *const f32, stride: usize, past: V) -> V {
+    unsafe fn cells<N: Near<V>>(w: &Splat<V>, near: &N, past: V) -> V {
         // SAFETY: the caller's promise.
         unsafe {
-            let west = upright(at.sub(1), stride);
-            let east = upright(at.add(1), stride);
+            let west = near.at(-1, -1).add(near.at(-1, 1));
+            let east = near.at(1, -1).add(near.at(1, 1));
             w.m13(
-                V::load(at),
-                upright(at, stride),
+                near.at(0, 0),
+                near.at(0, -1).add(near.at(0, 1)),
                 [
-                    w.m13_column(V::load(at.sub(1)), west),
-                    w.m13_column(V::load(at.add(1)), east),
+                    w.m13_column(near.at(-1, 0), west),
+                    w.m13_column(near.at(1, 0), east),
                 ],
-                [V::load(at.sub(2)), V::load(at.add(2))],
-                [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))],
+                [near.at(-2, 0), near.at(2, 0)],
+                [near.at(0, -2), near.at(0, 2)],
                 past,
             )
         }

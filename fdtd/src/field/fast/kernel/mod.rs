@@ -22,6 +22,7 @@ mod halo;
 mod instructions;
 mod layers;
 mod m13;
+mod near;
 mod quiet;
 mod slf;
 mod sweep;
@@ -41,8 +42,8 @@ use self::sweep::Sweep;
 #[cfg(target_arch = "x86_64")]
 use self::vector::{Avx, Avx512};
 use self::vector::{Plain, Vector};
-use super::super::stencil::Splat;
 use super::super::StepForcing;
+use super::super::stencil::Splat;
 use super::team::{Front, Team};
 use super::tiles::Tile;
 use super::{Line, Plan};
@@ -282,7 +283,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
         // After the centre: the single cells of the halo that strips read were stored long ago by then.
         for first in rows.clone().step_by(EDGE_ROWS) {
             let few = first..rows.end.min(first + EDGE_ROWS);
-            layers::strips::<V::Narrow, S>(plan, shared, levels, few);
+            layers::strips::<V, S>(plan, shared, levels, few);
         }
         if forcing.quiet {
             quiet::cells(plan, levels, rows.clone());

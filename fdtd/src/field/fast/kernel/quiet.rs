@@ -37,9 +37,7 @@ pub(super) unsafe fn cells(plan: &Plan, levels: Levels, rows: Range<usize>) {
     let stride = plan.layout.stride;
     let first = (rows.start + plan.layout.halo) * stride;
     // SAFETY: rows of this thread.
-    quieten(unsafe {
-        std::slice::from_raw_parts_mut(levels.next.add(first), rows.len() * stride)
-    });
+    quieten(unsafe { std::slice::from_raw_parts_mut(levels.next.add(first), rows.len() * stride) });
 }
 
 /// What a quiet step does to the cells of some rows that walls have changed, and to the memory of their surfaces.
@@ -48,16 +46,22 @@ pub(super) unsafe fn cells(plan: &Plan, levels: Levels, rows: Range<usize>) {
 /// As [`super::run_tile`], for these rows.
 pub(super) unsafe fn walls(plan: &Plan, shared: Shared, levels: Levels, rows: Range<usize>) {
     // SAFETY: cells of rows of this thread, and memory of their surfaces, which belongs to who writes the row.
-    let part = |at: *mut f32, count: usize| quieten(unsafe { std::slice::from_raw_parts_mut(at, count) });
+    let part =
+        |at: *mut f32, count: usize| quieten(unsafe { std::slice::from_raw_parts_mut(at, count) });
     for corrections in &plan.walls.corrections {
         for &at in corrections.of(&rows).0 {
             part(levels.next.wrapping_add(at as usize), 1);
         }
     }
     for iy in rows {
-        let row = levels.next.wrapping_add((iy + plan.layout.halo) * plan.layout.stride);
+        let row = levels
+            .next
+            .wrapping_add((iy + plan.layout.halo) * plan.layout.stride);
         for surface in &plan.walls.surfaces[iy] {
-            part(shared.surfaces.wrapping_add(surface.memory), surface.memory_count);
+            part(
+                shared.surfaces.wrapping_add(surface.memory),
+                surface.memory_count,
+            );
             for &(offset, _) in &surface.gains {
                 part(row.wrapping_add(offset as usize), 1);
             }

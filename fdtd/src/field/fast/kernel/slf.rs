@@ -1,6 +1,7 @@
 //! The standard leapfrog's sweep.
 
 use super::super::super::stencil::Splat;
+use super::near::Near;
 use super::sweep::Sweep;
 use super::vector::Vector;
 
@@ -12,18 +13,18 @@ pub(super) struct Slf;
 
 impl<V: Vector> Sweep<V> for Slf {
     #[inline(always)]
-    unsafe fn layered(_: &Splat<V>, at: *const f32, _: usize, _: usize) -> V {
+    unsafe fn layered<N: Near<V>>(_: &Splat<V>, near: &N) -> V {
         // SAFETY: the caller's promise.
-        unsafe { V::load(at) }
+        unsafe { near.at(0, 0) }
     }
 
     #[inline(always)]
-    unsafe fn cells(w: &Splat<V>, at: *const f32, stride: usize, past: V) -> V {
+    unsafe fn cells<N: Near<V>>(w: &Splat<V>, near: &N, past: V) -> V {
         // SAFETY: the caller's promise.
         unsafe {
-            let sides = [V::load(at.sub(1)), V::load(at.add(1))];
-            let ends = [V::load(at.sub(stride)), V::load(at.add(stride))];
-            w.slf(V::load(at), sides, ends, past)
+            let sides = [near.at(-1, 0), near.at(1, 0)];
+            let ends = [near.at(0, -1), near.at(0, 1)];
+            w.slf(near.at(0, 0), sides, ends, past)
         }
     }
 

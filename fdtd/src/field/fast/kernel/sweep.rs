@@ -1,6 +1,7 @@
 //! What a scheme's sweep is to the wavefront.
 
 use super::super::super::stencil::Splat;
+use super::near::Near;
 use super::vector::Vector;
 
 /// A scheme's sweep.
@@ -25,16 +26,15 @@ pub(super) trait Sweep<V: Vector> {
         rows: usize,
     );
 
-    /// New pressure of neighbouring cells in plain order at `at`, whose past is `past`.
+    /// New pressure of cells amid `near`, whose past is `past`.
     ///
     /// # Safety
-    /// The cells and as many rows and cells beyond these as the stencil reaches must be readable.
-    unsafe fn cells(weights: &Splat<V>, at: *const f32, stride: usize, past: V) -> V;
+    /// As many rows and cells beyond these as the stencil reaches must be readable.
+    unsafe fn cells<N: Near<V>>(weights: &Splat<V>, near: &N, past: V) -> V;
 
-    /// What the absorbing layer takes the second difference of at the cells from `at` on, with neighbours `along` the
-    /// absorbed axis and `across` it that far away in memory.
+    /// What the absorbing layer along x takes the second difference of at some cells; turned, that along y.
     ///
     /// # Safety
-    /// The cells and these neighbours must be readable.
-    unsafe fn layered(weights: &Splat<V>, at: *const f32, along: usize, across: usize) -> V;
+    /// As many rows and cells beyond these as the stencil reaches but one must be readable.
+    unsafe fn layered<N: Near<V>>(weights: &Splat<V>, near: &N) -> V;
 }

@@ -14,6 +14,7 @@ use localizer::recording::{OdometrySample, RecordingMeta};
 use localizer::{DirectWave, Parameters, Pose, Recording, Trajectory};
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::cache::{Cache, Key, hash_of_samples};
 use crate::trials::{Noise, add_noise};
 
 /// Corners of the room, counter-clockwise, metres; the wall on the right is slanted by 6.6 degrees.
@@ -26,6 +27,8 @@ pub const HEIGHTS_M: [f64; 2] = [0.3, 0.4];
 const REFLECTION: f64 = 0.85;
 /// Reflections of the simulated sound.
 const ORDER: usize = 3;
+/// Length of the sound that stands for the code in the cache's key, seconds.
+const PRINT_S: f64 = 0.25;
 /// Power of the echoes over that of the microphone's noise, decibels.
 const SNR_DB: f64 = 20.0;
 /// Rate of wheel readings and truth, hertz.
@@ -99,11 +102,11 @@ fn drive() -> Result<DrivePath> {
 }
 
 impl Site {
-    /// Simulates the sound of the drive.
+    /// The sound of the drive: from the cache, or simulated and put there.
     ///
     /// # Errors
-    /// When the room or the drive is refused.
-    pub fn simulate() -> Result<Self> {
+    /// When the room or the drive is refused, or the cache cannot be written.
+    pub fn simulate(cache: &Cache) -> Result<Self> {
         let room = Room::new(&CORNERS_M, CEILING_M, REFLECTION)?;
         let planes = room
             .faces()
@@ -131,12 +134,12 @@ impl Site {
             let [x, y] = drive.point_at(t_s, [0.0, 0.0]);
             [x, y, height_m]
         };
-        let pair = RoomPair {
-            source_at: &|t_s| at(t_s, HEIGHTS_M[0]),
-            receiver_at: &|t_s| at(t_s, HEIGHTS_M[1]),
-            duration_s: drive.duration_s(),
-        };
-        let sound = |max_order: usize| {
+        let sound = |max_order: usize, duration_s: f64| {
+            let pair = RoomPair {
+                source_at: &|t_s| at(t_s, HEIGHTS_M[0]),
+                receiver_at: &|t_s| at(t_s, HEIGHTS_M[1]),
+                duration_s,
+            };
             let options = ImageSourceOptions {
                 max_order,
                 include_direct: true,
@@ -146,10 +149,35 @@ impl Site {
             let (c_mps, rate_hz) = (parameters.speed_of_sound_mps, parameters.sample_rate_hz);
             synthesize(&room, &pair, &waveform, c_mps, rate_hz, &options)
         };
+        let key = {
+            let mut key = Key::new("room");
+            key.value(
+                "room",
+                &(CORNERS_M, CEILING_M, REFLECTION, HEIGHTS_M, ORDER),
+            )?;
+            key.value("parameters", &parameters)?;
+            let course = (0..=430).map(|tenths| at(0.1 * f64::from(tenths), 0.0));
+            key.numbers("course", &course.flatten().collect::<Vec<f64>>());
+            // Stands for the code, as the engines' print does.
+            let print = [ORDER, 0].map(|order| hash_of_samples(&sound(order, PRINT_S)));
+            key.value("print", &print)?;
+            key.finish()
+        };
+        // Kept as bits, which a file of decimal digits gives back exactly.
+        let [signal, direct] = match cache.get::<[Vec<u32>; 2]>("rooms", &key) {
+            Some(sounds) => sounds.map(|bits| bits.into_iter().map(f32::from_bits).collect()),
+            None => {
+                let sounds = [ORDER, 0].map(|order| sound(order, drive.duration_s()));
+                let bits = |sound: &Vec<f32>| sound.iter().map(|p| p.to_bits()).collect();
+                let bits: [Vec<u32>; 2] = sounds.each_ref().map(bits);
+                cache.put("rooms", &key, &bits)?;
+                sounds
+            }
+        };
         Ok(Self {
             planes,
-            signal: sound(ORDER),
-            direct: sound(0),
+            signal,
+            direct,
             drive,
             parameters,
         })

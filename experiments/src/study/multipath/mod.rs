@@ -2,6 +2,8 @@
 
 mod scene;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use anyhow::{Context, Result};
 use localizer::dead_reckoning::dead_reckon;
 use localizer::multipath::arrivals;
@@ -10,6 +12,7 @@ use localizer::multipath::peaks::Picking;
 use localizer::multipath::prediction::{Model, Predictor};
 use localizer::pose::wrap_angle;
 use localizer::{Recording, Trajectory};
+use rayon::prelude::*;
 
 use crate::interrupt;
 use crate::laboratory::Laboratory;
@@ -129,45 +132,71 @@ fn write_room(lab: &Laboratory, recording: &Recording) -> Result<()> {
     drive.write(&lab.data("multipath_drive.csv"))
 }
 
+/// What one trial gives.
+struct Trial {
+    /// Method, gate in metres and mean error in metres.
+    gates: Vec<(&'static str, f64, f64)>,
+    /// Path and errors of each method at the usual gate.
+    followed: Vec<(&'static str, (Trajectory, Errors))>,
+}
+
+/// One trial of all methods.
+fn run_trial(site: &Site, trial: u64) -> Result<Trial> {
+    let recording = site.recording(trial);
+    let c_mps = site.parameters.speed_of_sound_mps;
+    let blocks = arrivals::measure(&recording, &site.parameters, &PICKING, ROUND_TRIP_M)?;
+    let start = recording.start_pose();
+    let (mut gates, mut followed) = (Vec::new(), Vec::new());
+    for (method, model) in METHODS {
+        let trajectory = match model {
+            Some(model) => {
+                let predictor = Predictor::new(&site.planes, model, HEIGHTS_M, c_mps);
+                let at = |gate_m: f64| follow(&blocks, &predictor, noise(c_mps, gate_m), start);
+                for gate_m in GATES_M {
+                    let error_m = mean(&errors(&at(gate_m), &recording)?.position_m);
+                    gates.push((method, gate_m, error_m));
+                }
+                at(GATE_M)
+            }
+            None => dead_reckon(&recording, &site.parameters, start),
+        };
+        let found = errors(&trajectory, &recording)?;
+        followed.push((method, (trajectory, found)));
+    }
+    Ok(Trial { gates, followed })
+}
+
 /// Runs the study.
 pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
-    let site = Site::simulate()?;
-    let c_mps = site.parameters.speed_of_sound_mps;
+    let site = Site::simulate(&lab.cache)?;
     let mut paths = Table::new(COLUMNS);
     let mut gates = Table::new(["method", "gate_m", "trial", "mae_m"]);
     let mut followed: [Vec<Errors>; 4] = Default::default();
     let task = lab.board.task("multipath", TRIALS);
-    for trial in 0..TRIALS {
+    let done = AtomicU64::new(0);
+    // A trial of all methods and gates each, side by side; tables keep the order of the trials.
+    let trials = (0..TRIALS).into_par_iter().map(|trial| {
         interrupt::check()?;
-        let recording = site.recording(trial);
-        if trial == 0 {
-            write_room(lab, &recording)?;
+        let found = run_trial(&site, trial)?;
+        task.set(done.fetch_add(1, Ordering::Relaxed) + 1);
+        Ok(found)
+    });
+    let trials: Vec<Trial> = trials.collect::<Result<_>>()?;
+    write_room(lab, &site.recording(0))?;
+    for (trial, found) in (0..).zip(trials) {
+        for (method, gate_m, error_m) in found.gates {
+            gates.push([
+                method.to_string(),
+                cell(gate_m, 2),
+                trial.to_string(),
+                cell(error_m, 4),
+            ]);
         }
-        let blocks = arrivals::measure(&recording, &site.parameters, &PICKING, ROUND_TRIP_M)?;
-        let start = recording.start_pose();
-        for ((method, model), list) in METHODS.iter().zip(&mut followed) {
-            let trajectory = match model {
-                Some(model) => {
-                    let predictor = Predictor::new(&site.planes, *model, HEIGHTS_M, c_mps);
-                    for gate_m in GATES_M {
-                        let path = follow(&blocks, &predictor, noise(c_mps, gate_m), start);
-                        let error_m = mean(&errors(&path, &recording)?.position_m);
-                        gates.push([
-                            method.to_string(),
-                            cell(gate_m, 2),
-                            trial.to_string(),
-                            cell(error_m, 4),
-                        ]);
-                    }
-                    follow(&blocks, &predictor, noise(c_mps, GATE_M), start)
-                }
-                None => dead_reckon(&recording, &site.parameters, start),
-            };
-            let found = errors(&trajectory, &recording)?;
-            write_path(&mut paths, method, trial, &trajectory, &found);
-            list.push(found);
+        for ((method, (trajectory, errors)), list) in found.followed.into_iter().zip(&mut followed)
+        {
+            write_path(&mut paths, method, trial, &trajectory, &errors);
+            list.push(errors);
         }
-        task.set(trial + 1);
     }
     paths.write(&lab.data("multipath.csv"))?;
     gates.write(&lab.data("multipath_gates.csv"))?;

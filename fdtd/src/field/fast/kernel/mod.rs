@@ -2,7 +2,7 @@
 //!
 //! * here: who runs which rows of which step, source and receiver; `walls`: what walls change;
 //! * `sweep`, `slf`, `m13`, `d25`: the plain stencils;
-//! * `layers`: the strips beside the centre, and the absorbing layers;
+//! * `layers`: the strips beside the centre with the absorbing layers along x; `along_y`: those along y; `near`: what they see of a cell's neighbourhood;
 //! * `quiet`: small numbers set to zero;
 //! * `halo`: the cells that rows hold twice;
 //! * `instructions`: which instruction sets there are; `vector`: eight or sixteen numbers of one.
@@ -17,6 +17,7 @@
     reason = "disjoint rows of shared buffers; see the module's text"
 )]
 
+mod along_y;
 mod d25;
 mod halo;
 mod instructions;
@@ -278,7 +279,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                 rows.len(),
             );
             let vectors = first..first + vectors;
-            layers::along_y::<V, S>(plan, shared, levels, weights, vectors, rows.clone());
+            along_y::centre::<V, S>(plan, shared, levels, weights, vectors, rows.clone());
         }
         // After the centre: the single cells of the halo that strips read were stored long ago by then.
         for first in rows.clone().step_by(EDGE_ROWS) {

@@ -48,9 +48,9 @@ impl<V: Vector> Near<V> for Loads {
 
 /// The neighbourhood seen from another of its cells.
 pub(super) struct Shifted<'a, N> {
-    pub(super) near: &'a N,
-    pub(super) dx: isize,
-    pub(super) dy: isize,
+    near: &'a N,
+    dx: isize,
+    dy: isize,
 }
 
 impl<V: Vector, N: Near<V>> Near<V> for Shifted<'_, N> {
@@ -70,4 +70,10 @@ impl<V: Vector, N: Near<V>> Near<V> for Turned<'_, N> {
         // SAFETY: the caller's promise.
         unsafe { self.0.at(dy, dx) }
     }
+}
+
+/// The neighbourhood of the cells `dx` columns to the east and `dy` rows to the north.
+#[inline(always)]
+pub(super) fn beside<N>(near: &N, dx: isize, dy: isize) -> Shifted<'_, N> {
+    Shifted { near, dx, dy }
 }

@@ -1,0 +1,176 @@
+//! The layers along y: on the vectors of the centre, column by column, and on those of the strips one row at a time.
+
+use std::ops::Range;
+
+use super::super::super::layer_row;
+use super::super::super::stencil::{Splat, face_memory, layer_cell};
+use super::super::Plan;
+use super::near::{Loads, Near, Turned, beside};
+use super::sweep::Sweep;
+use super::vector::Vector;
+use super::{Levels, Shared};
+
+/// The layers along y on some vectors of the centre in some rows, after the plain step.
+///
+/// # Safety
+/// As [`super::run_tile`], for these rows.
+#[inline(always)]
+pub(super) unsafe fn centre<V: Vector, S: Sweep<V>>(
+    plan: &Plan,
+    shared: Shared,
+    levels: Levels,
+    weights: &Splat<V>,
+    vectors: Range<usize>,
+    rows: Range<usize>,
+) {
+    let cells = plan.setup.layer.cells();
+    let low = rows.start..rows.end.min(cells);
+    let high = rows.start.max(plan.setup.ny - cells)..rows.end;
+    let at = |j: usize| plan.layout.centre_at + j * V::LANES;
+    // SAFETY: the caller's promise.
+    unsafe {
+        if !low.is_empty() {
+            for j in vectors.clone() {
+                centre_column::<V, S, false>(plan, shared, levels, weights, at(j), low.clone());
+            }
+        }
+        if !high.is_empty() {
+            for j in vectors {
+                centre_column::<V, S, true>(plan, shared, levels, weights, at(j), high.clone());
+            }
+        }
+    }
+}
+
+/// The layer along y on side `HIGH` in the column of vectors at `x` of the centre, rows in ascending order: a row's upper slope and face are
+/// the next row's lower ones.
+///
+/// # Safety
+/// As [`super::run_tile`], for these rows.
+#[inline(always)]
+unsafe fn centre_column<V: Vector, S: Sweep<V>, const HIGH: bool>(
+    plan: &Plan,
+    shared: Shared,
+    levels: Levels,
+    weights: &Splat<V>,
+    x: usize,
+    rows: Range<usize>,
+) {
+    let Some(first) = LayerRow::new(plan, shared, rows.start) else {
+        return;
+    };
+    let stride = plan.layout.stride;
+    let courant2 = V::splat(first.courant2);
+    // SAFETY: the caller's promise.
+    unsafe {
+        let at = (rows.start + plan.layout.halo) * stride + x;
+        let (now, mut next) = (levels.now.add(at), levels.next.add(at));
+        let mut face = first.face.add(x);
+        let mut near = Loads {
+            here: now,
+            ahead: V::LANES,
+            stride,
+        };
+        let mut here = S::layered(weights, &Turned(&near));
+        let south = S::layered(weights, &Turned(&beside(&near, 0, -1)));
+        let mut lower_slope = here.sub(south);
+        let mut lower = if HIGH {
+            // The row below has left the new memory of the face between.
+            V::load(face.sub(2 * stride))
+        } else {
+            face_memory(V::splat(first.decay[0]), V::load(face), lower_slope)
+        };
+        for decay in &plan.row_decay[rows] {
+            let decay = decay.unwrap_or_default().map(V::splat);
+            let north = S::layered(weights, &Turned(&beside(&near, 0, 1)));
+            let upper_slope = north.sub(here);
+            let old = V::load(if HIGH { face } else { face.add(2 * stride) });
+            let upper = face_memory(decay[1], old, upper_slope);
+            let cell = face.add(stride);
+            let slopes = [lower_slope, upper_slope];
+            let (zeta, change) = layer_cell(slopes, [lower, upper], decay[2], V::load(cell));
+            (if HIGH { upper } else { lower }).store(face);
+            zeta.store(cell);
+            courant2.mul_add(change, V::load(next)).store(next);
+            (here, lower_slope, lower) = (north, upper_slope, upper);
+            near.here = near.here.add(stride);
+            next = next.add(stride);
+            face = face.add(2 * stride);
+        }
+    }
+}
+
+/// A row of a layer along y.
+pub(super) struct LayerRow {
+    stride: usize,
+    courant2: f32,
+    decay: [f32; 3],
+    high: bool,
+    /// Memory of its outer face.
+    face: *mut f32,
+}
+
+impl LayerRow {
+    /// Row `iy`, if it belongs to a layer.
+    #[inline(always)]
+    pub(super) fn new(plan: &Plan, shared: Shared, iy: usize) -> Option<Self> {
+        let decay = plan.row_decay[iy]?;
+        let row = layer_row(plan.setup.layer.cells(), plan.setup.ny, iy)?;
+        Some(Self {
+            stride: plan.layout.stride,
+            courant2: plan.setup.courant2,
+            decay,
+            high: plan.memory_y.is_high(row),
+            face: shared.layer_y.wrapping_add(plan.memory_y.face(row)),
+        })
+    }
+
+    /// New pressure after the layer of the cells amid `near`, `x` from the start of the row, from the one before. The memory of
+    /// the first `foreign` cells stays as it is.
+    ///
+    /// # Safety
+    /// The cells' memory must be this thread's, as many rows and cells beyond these as the stencil reaches be readable, and the row below done but not the row above.
+    #[inline(always)]
+    pub(super) unsafe fn absorb<V: Vector, S: Sweep<V>, N: Near<V>>(
+        &self,
+        weights: &Splat<V>,
+        near: &N,
+        x: usize,
+        p: V,
+        foreign: usize,
+    ) -> V {
+        let stride = self.stride;
+        // SAFETY: the caller's promise.
+        unsafe {
+            let here = S::layered(weights, &Turned(near));
+            let south = S::layered(weights, &Turned(&beside(near, 0, -1)));
+            let north = S::layered(weights, &Turned(&beside(near, 0, 1)));
+            let slopes = [here.sub(south), north.sub(here)];
+            let decay = self.decay.map(V::splat);
+            let face = self.face.add(x);
+            let cell = face.add(stride);
+            let (outer, old) = (V::load(face), V::load(cell));
+            let faces = if self.high {
+                // The row below has left the new memory of the face between.
+                let lower = V::load(face.sub(2 * stride));
+                [lower, face_memory(decay[1], outer, slopes[1])]
+            } else {
+                let inner = V::load(face.add(2 * stride));
+                [
+                    face_memory(decay[0], outer, slopes[0]),
+                    face_memory(decay[1], inner, slopes[1]),
+                ]
+            };
+            let (zeta, change) = layer_cell(slopes, faces, decay[2], old);
+            let new = faces[usize::from(self.high)];
+            if foreign == 0 {
+                new.store(face);
+                zeta.store(cell);
+            } else {
+                new.after(outer, foreign).store(face);
+                zeta.after(old, foreign).store(cell);
+            }
+            V::splat(self.courant2).mul_add(change, p)
+        }
+    }
+}

@@ -1,6 +1,9 @@
 //! The plain engine: one sweep over the rows per step, nothing rearranged.
 
-use super::stencil::{Splat, layer};
+mod rows;
+
+use self::rows::{absorb, d25_row, layered_row, m13_row, slf_row};
+use super::stencil::Splat;
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row, quieten};
 use crate::pml::Profile;
 use crate::scheme::Scheme;
@@ -180,129 +183,6 @@ impl ReferenceField {
             }
         }
     }
-}
-
-/// What the layer takes the second difference of, for neighbouring cells of a row; `at(along, across)` gives the cells from the
-/// first one on, shifted along the absorbed axis and across it.
-#[inline(always)]
-fn layered_row<'a>(
-    scheme: Scheme,
-    w: &Splat<f32>,
-    at: impl Fn(isize, isize) -> &'a [f32],
-    layered: &mut [f32],
-) {
-    let n = layered.len();
-    let cells = |along, across| &at(along, across)[..n];
-    let here = cells(0, 0);
-    if scheme == Scheme::Slf {
-        return layered.copy_from_slice(here);
-    }
-    let (low, high, left, right) = (cells(-1, 0), cells(1, 0), cells(0, -1), cells(0, 1));
-    if scheme == Scheme::D25 {
-        let (lower, higher) = (cells(-2, 0), cells(2, 0));
-        let corners = [[-1, -1], [-1, 1], [1, -1], [1, 1]];
-        let [a, b, c, d] = corners.map(|[along, across]| cells(along, across));
-        for i in 0..n {
-            layered[i] = w.d25_layer(
-                here[i],
-                [[low[i], high[i]], [lower[i], higher[i]]],
-                [left[i], right[i]],
-                [[a[i], b[i]], [c[i], d[i]]],
-            );
-        }
-        return;
-    }
-    for i in 0..n {
-        layered[i] = w.m13_layer(here[i], [low[i], high[i]], [left[i], right[i]]);
-    }
-}
-
-/// What the layer adds to neighbouring cells `next` of a row, from what it takes the second difference of below, at and above
-/// them; `memory` holds that of their lower faces, then upper faces, then their own.
-#[inline(always)]
-fn absorb(
-    [lower, here, upper]: [&[f32]; 3],
-    decay: impl Fn(usize) -> [f32; 3],
-    memory: &mut [f32],
-    courant2: f32,
-    next: &mut [f32],
-) {
-    let n = next.len();
-    let (lower, here, upper) = (&lower[..n], &here[..n], &upper[..n]);
-    let (memory_lower, rest) = memory.split_at_mut(n);
-    let (memory_upper, memory_cell) = rest.split_at_mut(n);
-    let memory_cell = &mut memory_cell[..n];
-    for i in 0..n {
-        let slopes = [here[i] - lower[i], upper[i] - here[i]];
-        let old = [memory_lower[i], memory_upper[i], memory_cell[i]];
-        let (new, change) = layer(slopes, decay(i), old);
-        [memory_lower[i], memory_upper[i], memory_cell[i]] = new;
-        next[i] = courant2.mul_add(change, next[i]);
-    }
-}
-
-#[inline(always)]
-fn slf_row(w: &Splat<f32>, [south, here, north]: [&[f32]; 3], next: &mut [f32]) {
-    let n = next.len();
-    let (west, east) = (&here[RIM - 1..][..n], &here[RIM + 1..][..n]);
-    let (south, here, north) = (&south[RIM..][..n], &here[RIM..][..n], &north[RIM..][..n]);
-    for i in 0..n {
-        next[i] = w.slf(here[i], [west[i], east[i]], [south[i], north[i]], next[i]);
-    }
-}
-
-#[inline(always)]
-fn m13_row(
-    w: &Splat<f32>,
-    [far_south, south, here, north, far_north]: [&[f32]; 5],
-    next: &mut [f32],
-) {
-    let n = next.len();
-    let width = n + 2 * RIM;
-    let (far_south, south, here) = (&far_south[..width], &south[..width], &here[..width]);
-    let (north, far_north) = (&north[..width], &far_north[..width]);
-    for (i, p) in next.iter_mut().enumerate() {
-        let x = i + RIM;
-        let west = w.m13_column(here[x - 1], south[x - 1] + north[x - 1]);
-        let east = w.m13_column(here[x + 1], south[x + 1] + north[x + 1]);
-        *p = w.m13(
-            here[x],
-            south[x] + north[x],
-            [west, east],
-            [here[x - 2], here[x + 2]],
-            [far_south[x], far_north[x]],
-            *p,
-        );
-    }
-}
-
-#[inline(always)]
-fn d25_row(w: &Splat<f32>, rows: [&[f32]; 7], next: &mut [f32]) {
-    let width = next.len() + 2 * RIM;
-    let [s3, s2, s1, here, n1, n2, n3] = rows.map(|row| &row[..width]);
-    for (i, p) in next.iter_mut().enumerate() {
-        let x = i + RIM;
-        let column = [s2, s1, here, n1, n2];
-        let west = [
-            d25_sides(w, column, x - 2)[1],
-            d25_sides(w, column, x - 1)[0],
-        ];
-        let east = [
-            d25_sides(w, column, x + 1)[0],
-            d25_sides(w, column, x + 2)[1],
-        ];
-        let own = [s1[x] + n1[x], s2[x] + n2[x], s3[x] + n3[x]];
-        let sum = w.d25_first(here[x - 3], *p) + west[0] + west[1];
-        let sum = w.d25_own(here[x], own, sum) + east[0] + east[1];
-        *p = w.d25_last(here[x + 3], sum);
-    }
-}
-
-/// What the cells of a column give to the columns beside it. Not a closure: one that is not inlined is compiled without fused
-/// multiply-adds.
-#[inline(always)]
-fn d25_sides(w: &Splat<f32>, [s2, s1, here, n1, n2]: [&[f32]; 5], x: usize) -> [f32; 2] {
-    w.d25_sides(here[x], [s1[x] + n1[x], s2[x] + n2[x]])
 }
 
 impl Field for ReferenceField {

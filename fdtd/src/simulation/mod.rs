@@ -3,12 +3,14 @@
 mod checkpoint;
 mod domain;
 mod drive;
+mod flow;
 mod options;
 mod pieces;
 mod ticks;
 
 pub use domain::Domain;
 pub use drive::{Drive, SOURCE_STRENGTH_M2PS};
+pub use flow::{Flow, Outcome, Progress};
 pub use options::SimulationOptions;
 
 use crate::Error;
@@ -25,35 +27,6 @@ const MOST_QUIET_STEPS: u64 = 100_000;
 
 /// Steps between two calls of the observer.
 const CHUNK: u64 = 256;
-
-/// How far a run is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    /// Steps done, warm-ups of a free field's pieces included.
-    pub step: u64,
-    /// Steps in all, likewise.
-    pub steps_total: u64,
-}
-
-/// What an observer wants.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Flow {
-    /// Go on.
-    Continue,
-    /// Go on with this many threads, which changes no byte.
-    OnThreads(usize),
-    /// Stop after this step; the run can be continued.
-    Stop,
-}
-
-/// How a run ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
-    /// All steps are done.
-    Finished,
-    /// The observer stopped it.
-    Stopped,
-}
 
 /// A field with its moving source and receiver.
 pub struct Simulation {

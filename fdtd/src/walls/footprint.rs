@@ -43,8 +43,8 @@ const FIT: Fit = Fit {
 
 /// Masses of air before a surface in cell widths: rows from 15 to 45 degrees between normal and axis, in steps of five; columns by the distance of
 /// the surface's cell from the wall, from -0.7 to 0.7 cell widths in steps of a tenth. With them a flow that is the same along the whole wall meets
-/// no reactance in any piece, in the strips' analysis of m13, o13 and d25 at 7 and 10 kHz: the three agree within 0.005 and the table within 0.016. At 20 degrees they are more by 0.003 than that, from 30
-/// degrees on less by 0.003 to 0.008, by the errors where such walls are met at 45 degrees.
+/// no reactance in any piece, in the strips' analysis of m13, o13 and d25 at 7 and 10 kHz: the three agree within 0.005 and the table within 0.016.
+/// At 20 degrees they are more by 0.003 than that, from 30 degrees on less by 0.003 to 0.008, by the errors where such walls are met at 45 degrees.
 #[rustfmt::skip]
 const MASSES: [[f64; 15]; 7] = [
     [0.39, 0.44, 0.49, 0.44, 0.33, 0.30, 0.31, 0.33, 0.40, 0.45, 0.48, 0.52, 0.49, 0.44, 0.40],

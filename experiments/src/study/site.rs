@@ -20,6 +20,11 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     let site = lab.site()?;
     let takes = snr::takes(&site);
     site.simulate(&site.missing(&takes)?)?;
+    // All of the site's recordings are noted below; those of another scheme that an earlier run had made are none of its any more.
+    let labels: Vec<String> = takes.iter().map(|take| site.label(take)).collect();
+    let of_site = |label: &str| label.starts_with(site.plan.prefix);
+    (summary.provenance.simulation_seconds)
+        .retain(|label, _| !of_site(label) || labels.contains(label));
     note_simulations(&site, &takes, summary)?;
     let mut own = Summary::new(lab.preset);
     for study in [

@@ -101,6 +101,64 @@ fn drive() -> Result<DrivePath> {
     Ok(DrivePath::from_legs(start, &legs, DriveLimits::default())?)
 }
 
+/// What the microphone hears on the drive, with echoes and without: from the cache, or simulated and put there.
+fn sounds(
+    cache: &Cache,
+    room: &Room,
+    drive: &DrivePath,
+    parameters: &Parameters,
+) -> Result<[Vec<f32>; 2]> {
+    let waveform = PeriodicWaveform::new(
+        &localizer::waveform::transmit_period(parameters),
+        parameters.period_s(),
+        19e3,
+        parameters.sample_rate_hz,
+    );
+    let at = |t_s: f64, height_m: f64| {
+        let [x, y] = drive.point_at(t_s, [0.0, 0.0]);
+        [x, y, height_m]
+    };
+    let sounds = |duration_s: f64| {
+        [ORDER, 0].map(|max_order| {
+            let pair = RoomPair {
+                source_at: &|t_s| at(t_s, HEIGHTS_M[0]),
+                receiver_at: &|t_s| at(t_s, HEIGHTS_M[1]),
+                duration_s,
+            };
+            let options = ImageSourceOptions {
+                max_order,
+                include_direct: true,
+                fade_m: 0.05,
+                stamped: false,
+            };
+            let (c_mps, rate_hz) = (parameters.speed_of_sound_mps, parameters.sample_rate_hz);
+            synthesize(room, &pair, &waveform, c_mps, rate_hz, &options)
+        })
+    };
+    let mut key = Key::new("room");
+    key.value(
+        "room",
+        &(CORNERS_M, CEILING_M, REFLECTION, HEIGHTS_M, ORDER),
+    )?;
+    key.value("parameters", parameters)?;
+    let tenths = (10.0 * drive.duration_s()) as u32;
+    let course = (0..=tenths).flat_map(|tenth| at(0.1 * f64::from(tenth), 0.0));
+    key.numbers("course", &course.collect::<Vec<f64>>());
+    // Stands for the code, as the engines' print does.
+    let print = sounds(PRINT_S).map(|sound| hash_of_samples(&sound));
+    key.value("print", &print)?;
+    let key = key.finish();
+    // Kept as bits, which a file of decimal digits gives back exactly.
+    if let Some(bits) = cache.get::<[Vec<u32>; 2]>("rooms", &key) {
+        return Ok(bits.map(|bits| bits.into_iter().map(f32::from_bits).collect()));
+    }
+    let sounds = sounds(drive.duration_s());
+    let bits =
+        (sounds.each_ref()).map(|sound| sound.iter().map(|p| p.to_bits()).collect::<Vec<u32>>());
+    cache.put("rooms", &key, &bits)?;
+    Ok(sounds)
+}
+
 impl Site {
     /// The sound of the drive: from the cache, or simulated and put there.
     ///
@@ -123,57 +181,8 @@ impl Site {
             max_range_m: 17.0,
             ..Parameters::default()
         };
-        let waveform = PeriodicWaveform::new(
-            &localizer::waveform::transmit_period(&parameters),
-            parameters.period_s(),
-            19e3,
-            parameters.sample_rate_hz,
-        );
         let drive = drive()?;
-        let at = |t_s: f64, height_m: f64| {
-            let [x, y] = drive.point_at(t_s, [0.0, 0.0]);
-            [x, y, height_m]
-        };
-        let sound = |max_order: usize, duration_s: f64| {
-            let pair = RoomPair {
-                source_at: &|t_s| at(t_s, HEIGHTS_M[0]),
-                receiver_at: &|t_s| at(t_s, HEIGHTS_M[1]),
-                duration_s,
-            };
-            let options = ImageSourceOptions {
-                max_order,
-                include_direct: true,
-                fade_m: 0.05,
-                stamped: false,
-            };
-            let (c_mps, rate_hz) = (parameters.speed_of_sound_mps, parameters.sample_rate_hz);
-            synthesize(&room, &pair, &waveform, c_mps, rate_hz, &options)
-        };
-        let key = {
-            let mut key = Key::new("room");
-            key.value(
-                "room",
-                &(CORNERS_M, CEILING_M, REFLECTION, HEIGHTS_M, ORDER),
-            )?;
-            key.value("parameters", &parameters)?;
-            let course = (0..=430).map(|tenths| at(0.1 * f64::from(tenths), 0.0));
-            key.numbers("course", &course.flatten().collect::<Vec<f64>>());
-            // Stands for the code, as the engines' print does.
-            let print = [ORDER, 0].map(|order| hash_of_samples(&sound(order, PRINT_S)));
-            key.value("print", &print)?;
-            key.finish()
-        };
-        // Kept as bits, which a file of decimal digits gives back exactly.
-        let [signal, direct] = match cache.get::<[Vec<u32>; 2]>("rooms", &key) {
-            Some(sounds) => sounds.map(|bits| bits.into_iter().map(f32::from_bits).collect()),
-            None => {
-                let sounds = [ORDER, 0].map(|order| sound(order, drive.duration_s()));
-                let bits = |sound: &Vec<f32>| sound.iter().map(|p| p.to_bits()).collect();
-                let bits: [Vec<u32>; 2] = sounds.each_ref().map(bits);
-                cache.put("rooms", &key, &bits)?;
-                sounds
-            }
-        };
+        let [signal, direct] = sounds(cache, &room, &drive, &parameters)?;
         Ok(Self {
             planes,
             signal,

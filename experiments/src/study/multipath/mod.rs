@@ -137,14 +137,13 @@ struct Trial {
     /// Method, gate in metres and mean error in metres.
     gates: Vec<(&'static str, f64, f64)>,
     /// Path and errors of each method at the usual gate.
-    followed: Vec<(&'static str, (Trajectory, Errors))>,
+    followed: Vec<(&'static str, Trajectory, Errors)>,
 }
 
 /// One trial of all methods.
-fn run_trial(site: &Site, trial: u64) -> Result<Trial> {
-    let recording = site.recording(trial);
+fn run_trial(site: &Site, recording: &Recording) -> Result<Trial> {
     let c_mps = site.parameters.speed_of_sound_mps;
-    let blocks = arrivals::measure(&recording, &site.parameters, &PICKING, ROUND_TRIP_M)?;
+    let blocks = arrivals::measure(recording, &site.parameters, &PICKING, ROUND_TRIP_M)?;
     let start = recording.start_pose();
     let (mut gates, mut followed) = (Vec::new(), Vec::new());
     for (method, model) in METHODS {
@@ -153,15 +152,15 @@ fn run_trial(site: &Site, trial: u64) -> Result<Trial> {
                 let predictor = Predictor::new(&site.planes, model, HEIGHTS_M, c_mps);
                 let at = |gate_m: f64| follow(&blocks, &predictor, noise(c_mps, gate_m), start);
                 for gate_m in GATES_M {
-                    let error_m = mean(&errors(&at(gate_m), &recording)?.position_m);
+                    let error_m = mean(&errors(&at(gate_m), recording)?.position_m);
                     gates.push((method, gate_m, error_m));
                 }
                 at(GATE_M)
             }
-            None => dead_reckon(&recording, &site.parameters, start),
+            None => dead_reckon(recording, &site.parameters, start),
         };
-        let found = errors(&trajectory, &recording)?;
-        followed.push((method, (trajectory, found)));
+        let found = errors(&trajectory, recording)?;
+        followed.push((method, trajectory, found));
     }
     Ok(Trial { gates, followed })
 }
@@ -177,12 +176,15 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     // A trial of all methods and gates each, side by side; tables keep the order of the trials.
     let trials = (0..TRIALS).into_par_iter().map(|trial| {
         interrupt::check()?;
-        let found = run_trial(&site, trial)?;
+        let recording = site.recording(trial);
+        if trial == 0 {
+            write_room(lab, &recording)?;
+        }
+        let found = run_trial(&site, &recording)?;
         task.set(done.fetch_add(1, Ordering::Relaxed) + 1);
         Ok(found)
     });
     let trials: Vec<Trial> = trials.collect::<Result<_>>()?;
-    write_room(lab, &site.recording(0))?;
     for (trial, found) in (0..).zip(trials) {
         for (method, gate_m, error_m) in found.gates {
             gates.push([
@@ -192,8 +194,7 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
                 cell(error_m, 4),
             ]);
         }
-        for ((method, (trajectory, errors)), list) in found.followed.into_iter().zip(&mut followed)
-        {
+        for ((method, trajectory, errors), list) in found.followed.into_iter().zip(&mut followed) {
             write_path(&mut paths, method, trial, &trajectory, &errors);
             list.push(errors);
         }

@@ -4,7 +4,7 @@
 //! running sums, west to east: sixteen arithmetic operations and eight loads per vector instead of 27 and 26.
 
 use super::super::super::stencil::Splat;
-use super::near::Near;
+use super::near::{Loads, Near, beside};
 use super::sweep::Sweep;
 use super::vector::Vector;
 
@@ -37,8 +37,8 @@ impl<V: Vector> Sweep<V> for D25 {
         unsafe {
             let sum = w
                 .d25_first(near.at(-3, 0), past)
-                .add(sides_near(w, near, -2)[1])
-                .add(sides_near(w, near, -1)[0]);
+                .add(sides(w, &beside(near, -2, 0), 1)[1])
+                .add(sides(w, &beside(near, -1, 0), 2)[0]);
             let verticals = [
                 near.at(0, -1).add(near.at(0, 1)),
                 near.at(0, -2).add(near.at(0, 2)),
@@ -46,8 +46,8 @@ impl<V: Vector> Sweep<V> for D25 {
             ];
             let sum = w
                 .d25_own(near.at(0, 0), verticals, sum)
-                .add(sides_near(w, near, 1)[0])
-                .add(sides_near(w, near, 2)[1]);
+                .add(sides(w, &beside(near, 1, 0), 2)[0])
+                .add(sides(w, &beside(near, 2, 0), 1)[1]);
             w.d25_last(near.at(3, 0), sum)
         }
     }
@@ -105,36 +105,20 @@ unsafe fn verticals<V: Vector>(at: *const f32, stride: usize) -> [V; 3] {
     }
 }
 
-/// What a column gives to the columns beside it. A function, not a closure: a closure that is not inlined would call every
-/// vector instruction as a function.
-///
-/// # Safety
-/// The column's cells up to two rows away must be readable.
-#[inline(always)]
-unsafe fn sides<V: Vector>(w: &Splat<V>, at: *const f32, stride: usize) -> [V; 2] {
-    // SAFETY: the caller's promise.
-    unsafe {
-        w.d25_sides(
-            V::load(at),
-            [vertical(at, stride), vertical(at, 2 * stride)],
-        )
-    }
-}
-
-/// As [`sides`], for the column `dx` (1 or 2) away.
+/// What a column gives to the columns beside it and two away, from its cells up to `far` rows away: 2, or 1 where what it gives beside it, which is
+/// wrong then, is not asked for. A function, not a closure: a closure that is not inlined would call every vector instruction as a function.
 ///
 /// # Safety
 /// As [`Near::at`].
 #[inline(always)]
-unsafe fn sides_near<V: Vector, N: Near<V>>(w: &Splat<V>, near: &N, dx: isize) -> [V; 2] {
-    // SAFETY: the caller's promise; what a column two away gives beside it is not asked for, and takes no cell out of reach.
+unsafe fn sides<V: Vector, N: Near<V>>(w: &Splat<V>, column: &N, far: isize) -> [V; 2] {
+    // SAFETY: the caller's promise.
     unsafe {
-        let far = 3 - dx.abs();
         w.d25_sides(
-            near.at(dx, 0),
+            column.at(0, 0),
             [
-                near.at(dx, -1).add(near.at(dx, 1)),
-                near.at(dx, -far).add(near.at(dx, far)),
+                column.at(0, -1).add(column.at(0, 1)),
+                column.at(0, -far).add(column.at(0, far)),
             ],
         )
     }
@@ -160,10 +144,10 @@ unsafe fn centre_row<V: Vector>(
         let past = |j: isize| V::load(target.offset(j * V::LANES as isize));
         // sums[k] belongs to column j + k - 3 when column j comes.
         let mut sums = [here(0); 6];
-        let west = sides(w, column(-1), stride);
+        let west = sides(w, &Loads::plain(column(-1), stride), 2);
         sums[3] = w
             .d25_first(here(-3), past(0))
-            .add(sides(w, column(-2), stride)[1])
+            .add(sides(w, &Loads::plain(column(-2), stride), 2)[1])
             .add(west[0]);
         sums[4] = w.d25_first(here(-2), past(1)).add(west[1]);
         sums[5] = w.d25_first(here(-1), past(2));
@@ -186,7 +170,7 @@ unsafe fn centre_row<V: Vector>(
                 w.d25_first(own, past(j + 3)),
             ];
         }
-        let east = sides(w, column(end), stride);
+        let east = sides(w, &Loads::plain(column(end), stride), 2);
         let rest = [
             w.d25_last(here(end), sums[0]),
             w.d25_last(here(end + 1), sums[1].add(east[1])),
@@ -194,7 +178,7 @@ unsafe fn centre_row<V: Vector>(
                 here(end + 2),
                 sums[2]
                     .add(east[0])
-                    .add(sides(w, column(end + 1), stride)[1]),
+                    .add(sides(w, &Loads::plain(column(end + 1), stride), 2)[1]),
             ),
         ];
         for (k, sum) in rest.into_iter().enumerate() {

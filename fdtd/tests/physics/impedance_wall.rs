@@ -4,19 +4,19 @@
 //! that of the air; a broad burst, then 4000 steps.
 //! Formula: the energy of the field and of the air before the surfaces never grows.
 //! Bias: the sum of squares is not the energy, which goes back and forth between pressure, flow and surfaces.
-//! Tolerance: the sum of squares after the last quarter is at most 1.5 times that after the second. What makes energy overflows.
+//! Tolerance: the largest sum of squares in the last quarter is at most 1.2 times that in the second. What makes energy overflows.
 //!
-//! The same between any walls of any impedance, at corners, crossings and ends, in 56 x 56 cells with 3000 steps: tenfold is allowed, as few
-//! modes beat.
+//! The same between any walls of any impedance, at corners, crossings and ends, in 56 x 56 cells with 4500 steps: the later thirds may have twice
+//! the largest sum of the first, as few modes beat (1.34 in 1500 boxes).
 
-use crate::rig::{DX_M, Rig};
+use crate::rig::{DX_M, crossed_room, largest_sum};
 use fdtd::exact::burst::Burst;
 use fdtd::field::Field;
 use fdtd::scheme::Scheme;
 use fdtd::validation::impedance::{CASES, PLACES, is_held, largest};
 use fdtd::validation::room::slanted_room;
 use fdtd::validation::tilted_impedance::{self, RATIOS, SCHEMES, SLANTS, SLOPES, TOLERANCE};
-use fdtd::walls::{Impedance, Wall, WallModel};
+use fdtd::walls::{Impedance, WallModel};
 use proptest::prelude::*;
 
 #[test]
@@ -93,17 +93,44 @@ fn no_impedance_makes_energy() {
                     &mut Vec::new(),
                 );
                 let silence = rig.silence(1000);
-                let quarters: [f64; 4] = std::array::from_fn(|_| {
-                    field.advance(&silence, &mut Vec::new());
-                    let pressure = field.state().pressure;
-                    pressure.iter().map(|&p| f64::from(p).powi(2)).sum()
-                });
+                let quarters: [f64; 4] = std::array::from_fn(|_| largest_sum(&mut field, &silence));
                 println!("passivity, {scheme}, {model}, Z = {ratio:e} rho c: {quarters:?}");
                 assert!(
-                    quarters[3] <= 1.5 * quarters[1],
+                    quarters[3] <= 1.2 * quarters[1],
                     "{scheme}, {model}, {ratio}: {quarters:?}"
                 );
             }
+        }
+    }
+}
+
+/// Asserts it for the box of [`crossed_room`].
+fn assert_passive(scheme: Scheme, model: WallModel, lines: &[[f64; 4]], power: f64) {
+    let impedance = Impedance::Real(440.0 * 10_f64.powf(power));
+    let rig = crossed_room(scheme, model, lines, &impedance);
+    let burst = Burst::from_zero(9e3, 4000.0);
+    let mut field = rig.field();
+    let sounding = rig.sounding([0.14, 0.14], &|t_s| burst.value(t_s), 200);
+    field.advance(&sounding, &mut Vec::new());
+    let silence = rig.silence(1500);
+    let sums: [f64; 3] = std::array::from_fn(|_| largest_sum(&mut field, &silence));
+    assert!(
+        sums[1].max(sums[2]) <= 2.0 * sums[0] + 1e-20,
+        "{scheme}, {model}, {power}, {lines:?}: {sums:?}"
+    );
+}
+
+#[test]
+fn no_impedance_makes_energy_in_a_pocket() {
+    // The source is in a closed pocket of few cells. One mode rules, whose sum of squares, looked at every 1500 steps, is now a hundredth of
+    // its largest and now all of it.
+    let lines = [
+        [0.050_046_988, 0.03, 0.116_086_648, 0.173_822_326],
+        [0.146_808_306, 0.189_019_04, 0.159_462_212, 0.03],
+    ];
+    for scheme in Scheme::ALL {
+        for model in WallModel::ALL {
+            assert_passive(scheme, model, &lines, -4.98);
         }
     }
 }
@@ -117,25 +144,6 @@ proptest! {
         lines in prop::collection::vec(prop::array::uniform4(0.03..0.25_f64), 1..5),
         power in -6.0..6.0_f64,
     ) {
-        let mut rig = Rig::open(scheme, 56, 56);
-        rig.layer_cells = 0;
-        let wall = |&[x0, y0, x1, y1]: &[f64; 4]| Wall {
-            points_m: vec![[x0, y0], [x1, y1], [y1, x0]],
-            thickness_m: 0.012,
-            impedance: Some(Impedance::Real(440.0 * 10_f64.powf(power))),
-        };
-        let walls: Vec<Wall> = lines.iter().map(wall).collect();
-        rig.walls = model.cells(&rig.grid(), &walls);
-        let burst = Burst::from_zero(9e3, 4000.0);
-        let mut field = rig.field();
-        let sounding = rig.sounding([0.14, 0.14], &|t_s| burst.value(t_s), 200);
-        field.advance(&sounding, &mut Vec::new());
-        let silence = rig.silence(1500);
-        let sums: [f64; 2] = std::array::from_fn(|_| {
-            field.advance(&silence, &mut Vec::new());
-            let pressure = field.state().pressure;
-            pressure.iter().map(|&p| f64::from(p).powi(2)).sum()
-        });
-        prop_assert!(sums[1] <= 10.0 * sums[0] + 1e-20, "{scheme}, {model}: {sums:?}");
+        assert_passive(scheme, model, &lines, power);
     }
 }

@@ -1,7 +1,10 @@
 //! The rig that tests and `echolot validate` share, and its measurements as assertions.
 
+use fdtd::field::{Field, StepForcing};
+use fdtd::scheme::Scheme;
 use fdtd::simulation::{Flow, Simulation};
 use fdtd::validation::Measurement;
+use fdtd::walls::{Impedance, Wall, WallModel};
 use fdtd::waveform::PeriodicWaveform;
 
 pub(crate) use fdtd::validation::rig::*;
@@ -67,4 +70,33 @@ pub(crate) fn assert_foreign(from: &Simulation, to: &mut Simulation) {
             .is_err_and(|error| error.to_string().contains("other inputs")),
         "{foreign:?}"
     );
+}
+
+/// A closed box of 56 x 56 cells with walls of an impedance, each from `[x0, y0]` by `[x1, y1]` to `[y1, x0]`, in m.
+pub(crate) fn crossed_room(
+    scheme: Scheme,
+    model: WallModel,
+    lines: &[[f64; 4]],
+    impedance: &Impedance,
+) -> Rig {
+    let mut rig = Rig::open(scheme, 56, 56);
+    rig.layer_cells = 0;
+    let wall = |&[x0, y0, x1, y1]: &[f64; 4]| Wall {
+        points_m: vec![[x0, y0], [x1, y1], [y1, x0]],
+        thickness_m: 0.012,
+        impedance: Some(impedance.clone()),
+    };
+    let walls: Vec<Wall> = lines.iter().map(wall).collect();
+    rig.walls = model.cells(&rig.grid(), &walls);
+    rig
+}
+
+/// The largest sum of squares of the pressure, looked at every 11 steps: at one moment a mode that is alone may have none.
+pub(crate) fn largest_sum(field: &mut impl Field, steps: &[StepForcing]) -> f64 {
+    let after = |some: &[StepForcing]| -> f64 {
+        field.advance(some, &mut Vec::new());
+        let pressure = field.state().pressure;
+        pressure.iter().map(|&p| f64::from(p).powi(2)).sum()
+    };
+    steps.chunks(11).map(after).fold(0.0, f64::max)
 }

@@ -263,7 +263,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     // from the layout. The caller promises that nobody else touches what is written here.
     unsafe {
         if forcing.quiet {
-            quiet::memory(plan, shared, rows.clone());
+            quiet::memory::<V>(plan, shared, rows.clone());
         }
         let start = (rows.start + layout.halo) * stride + layout.centre_at;
         let chunk = <S as Sweep<V>>::CHUNK / V::LANES;
@@ -287,7 +287,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             layers::strips::<V, S>(plan, shared, levels, few);
         }
         if forcing.quiet {
-            quiet::cells(plan, levels, rows.clone());
+            quiet::cells::<V>(plan, levels, rows.clone());
         }
         walls::correct(&plan.walls, levels, &rows);
         for iy in rows.clone() {

@@ -2,6 +2,7 @@
 //! Loads and stores go through raw pointers; every function states what its caller promises.
 
 use super::super::super::stencil::Number;
+use super::super::super::{QUIET_PA, quieten};
 use super::super::layout::{NARROW, WIDE};
 
 /// A few numbers in registers.
@@ -19,6 +20,8 @@ pub(super) trait Vector: Number {
     /// # Safety
     /// `at` must point to `LANES` writable numbers, and the instruction set be there.
     unsafe fn store(self, at: *mut f32);
+    /// Itself, with zero for what is below [`QUIET_PA`].
+    fn quiet(self) -> Self;
     /// The first `count` numbers of `old`, then its own.
     fn after(self, old: Self, count: usize) -> Self;
     /// Every number moved one place up, `first` before them.
@@ -45,6 +48,12 @@ impl Vector for Plain {
     unsafe fn store(self, at: *mut f32) {
         // SAFETY: the caller's promise.
         unsafe { at.cast::<[f32; NARROW]>().write_unaligned(self.0) }
+    }
+    #[inline(always)]
+    fn quiet(self) -> Self {
+        let mut numbers = self.0;
+        quieten(&mut numbers);
+        Self(numbers)
     }
     #[inline(always)]
     fn after(self, old: Self, count: usize) -> Self {
@@ -106,7 +115,7 @@ pub(super) struct Avx(std::arch::x86_64::__m256);
 mod avx {
     use std::arch::x86_64::*;
 
-    use super::{Avx, NARROW, Number, Vector};
+    use super::{Avx, NARROW, Number, QUIET_PA, Vector};
 
     impl Vector for Avx {
         const LANES: usize = NARROW;
@@ -122,6 +131,15 @@ mod avx {
         unsafe fn store(self, at: *mut f32) {
             // SAFETY: the caller's promise.
             unsafe { _mm256_storeu_ps(at, self.0) }
+        }
+        #[inline(always)]
+        fn quiet(self) -> Self {
+            // SAFETY: see below.
+            unsafe {
+                let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0);
+                let kept = _mm256_cmp_ps::<_CMP_NLT_UQ>(size, _mm256_set1_ps(QUIET_PA));
+                Self(_mm256_and_ps(self.0, kept))
+            }
         }
         #[inline(always)]
         fn after(self, old: Self, count: usize) -> Self {
@@ -196,7 +214,7 @@ pub(super) struct Avx512(std::arch::x86_64::__m512);
 mod avx512 {
     use std::arch::x86_64::*;
 
-    use super::{Avx512, Number, Vector, WIDE};
+    use super::{Avx512, Number, QUIET_PA, Vector, WIDE};
 
     impl Vector for Avx512 {
         const LANES: usize = WIDE;
@@ -212,6 +230,15 @@ mod avx512 {
         unsafe fn store(self, at: *mut f32) {
             // SAFETY: the caller's promise.
             unsafe { _mm512_storeu_ps(at, self.0) }
+        }
+        #[inline(always)]
+        fn quiet(self) -> Self {
+            // SAFETY: see below.
+            unsafe {
+                let size = _mm512_abs_ps(self.0);
+                let kept = _mm512_cmp_ps_mask::<_CMP_NLT_UQ>(size, _mm512_set1_ps(QUIET_PA));
+                Self(_mm512_maskz_mov_ps(kept, self.0))
+            }
         }
         #[inline(always)]
         fn after(self, old: Self, count: usize) -> Self {

@@ -10,7 +10,9 @@ pub mod subnormal;
 use std::time::Instant;
 
 use anyhow::Result;
-use fdtd::field::{FastField, Field, FieldSetup, Injection, ReferenceField, StepForcing, is_quiet};
+use fdtd::field::{
+    FastField, Field, FieldSetup, FieldState, Injection, ReferenceField, StepForcing,
+};
 use fdtd::grid::{Grid, Medium};
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
@@ -28,6 +30,8 @@ pub const SMALLEST: usize = 64;
 const FORCING: usize = 1024;
 /// Time that a row takes when no steps are given, in s.
 const ROW_S: f64 = 1.0;
+/// Least time of a piece of a row, in s. The fastest piece counts: on a shared machine the others tell what else ran.
+const PIECE_S: f64 = 0.2;
 
 /// One line of the table.
 #[derive(Debug, Clone, Serialize)]
@@ -44,7 +48,7 @@ pub struct Row {
     pub threads: usize,
     /// Steps timed.
     pub steps: usize,
-    /// Speed in 10^9 cells per second.
+    /// Speed of the fastest piece of a fifth of a second, in 10^9 cells per second.
     pub gcells_per_s: f64,
     /// Floating-point operations that the scheme needs for a cell far from walls and layers.
     pub flops_per_cell: f64,
@@ -96,8 +100,8 @@ fn setup(nx: usize, ny: usize, scheme: Scheme) -> FieldSetup {
     FieldSetup::new(&grid, &medium, scheme, LAYER_CELLS, &mask.into())
 }
 
-/// What moves: source and receiver drift along x.
-fn forcing(scheme: Scheme, nx: usize, ny: usize) -> Vec<StepForcing> {
+/// What moves: source and receiver drift along x. No step is quiet, as in a long drive.
+fn forcing(nx: usize, ny: usize) -> Vec<StepForcing> {
     let at = |n: usize| {
         let stencil =
             Spread::Kaiser12.stencil([0.5 * nx as f64 + 1e-3 * n as f64, 0.45 * ny as f64]);
@@ -106,7 +110,7 @@ fn forcing(scheme: Scheme, nx: usize, ny: usize) -> Vec<StepForcing> {
             amplitude: (0.5 * n as f32).sin(),
         };
         StepForcing {
-            quiet: is_quiet(scheme, n as u64),
+            quiet: false,
             injections: [injection; 2],
             receiver: stencil,
         }
@@ -114,7 +118,23 @@ fn forcing(scheme: Scheme, nx: usize, ny: usize) -> Vec<StepForcing> {
     (0..FORCING).map(at).collect()
 }
 
-/// Steps taken and their rate in Gcell/s.
+/// A field of noise around 1: in full swing, as it is in nearly all of a drive.
+fn noise(state: &FieldState) -> FieldState {
+    let mut seed = 1_u32;
+    let pressure: Vec<f32> = (0..state.pressure.len())
+        .map(|_| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as f32 / 8_388_608.0 - 1.0
+        })
+        .collect();
+    FieldState {
+        previous: pressure.clone(),
+        pressure,
+        ..state.clone()
+    }
+}
+
+/// Steps taken, and the rate of the fastest piece in Gcell/s.
 fn time(
     field: &mut dyn Field,
     cells: usize,
@@ -123,9 +143,11 @@ fn time(
 ) -> Result<(usize, f64)> {
     let block = field.preferred_block().clamp(1, FORCING);
     let mut received = Vec::new();
+    field.set_state(&noise(&field.state()));
     field.advance(&forcing[..block.min(steps.unwrap_or(block))], &mut received);
     let start = Instant::now();
-    let mut done = 0;
+    let (mut done, mut best) = (0, 0.0_f64);
+    let mut piece = (done, start);
     loop {
         interrupt::check()?;
         let from = done % FORCING;
@@ -134,9 +156,17 @@ fn time(
         field.advance(&forcing[from..from + count], &mut received);
         received.clear();
         done += count;
-        let seconds = start.elapsed().as_secs_f64();
-        if steps.map_or(seconds >= ROW_S, |steps| done >= steps) {
-            return Ok((done, (cells * done) as f64 / seconds / 1e9));
+        let seconds = piece.1.elapsed().as_secs_f64();
+        let ended = steps.map_or(start.elapsed().as_secs_f64() >= ROW_S, |steps| {
+            done >= steps
+        });
+        // A short rest at the end says little, unless it is all there is.
+        if seconds >= PIECE_S || (ended && best == 0.0) {
+            best = best.max((cells * (done - piece.0)) as f64 / seconds / 1e9);
+            piece = (done, Instant::now());
+        }
+        if ended {
+            return Ok((done, best));
         }
     }
 }
@@ -159,7 +189,7 @@ pub fn measure(
 ) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for scheme in Scheme::ALL {
-        let forcing = forcing(scheme, nx, ny);
+        let forcing = forcing(nx, ny);
         let setup = setup(nx, ny, scheme);
         let mut base = f64::NAN;
         for threads in std::iter::once(None).chain(threads.iter().copied().map(Some)) {

@@ -3,7 +3,7 @@
 //! them away ([`fdtd::field::is_quiet`]). The third measurement leaves the quiet steps out.
 
 use anyhow::Result;
-use fdtd::field::{FastField, Field, FieldState, StepForcing};
+use fdtd::field::{FastField, Field, StepForcing, is_quiet};
 use fdtd::scheme::Scheme;
 use serde::Serialize;
 
@@ -42,22 +42,6 @@ pub struct Row {
     pub loud_subnormal_share: f64,
 }
 
-/// A field of noise around 1.
-fn noise(state: &FieldState) -> FieldState {
-    let mut seed = 1_u32;
-    let pressure: Vec<f32> = (0..state.pressure.len())
-        .map(|_| {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (seed >> 8) as f32 / 8_388_608.0 - 1.0
-        })
-        .collect();
-    FieldState {
-        previous: pressure.clone(),
-        pressure,
-        ..state.clone()
-    }
-}
-
 fn subnormal_share(field: &FastField) -> f64 {
     let pressure = field.state().pressure;
     let count = pressure.iter().filter(|p| p.is_subnormal()).count();
@@ -75,16 +59,18 @@ pub fn measure(nx: usize, ny: usize, steps: Option<usize>) -> Result<Vec<Row>> {
     let steps = steps.unwrap_or((PIECE_CELLS / (nx * ny)).clamp(8, super::FORCING));
     let mut rows = Vec::new();
     for scheme in Scheme::ALL {
-        let quiet: Vec<StepForcing> = super::forcing(scheme, nx, ny)
+        let loud: Vec<StepForcing> = super::forcing(nx, ny)
             .into_iter()
             .cycle()
             .take(steps)
             .collect();
-        let mut loud = quiet.clone();
-        loud.iter_mut().for_each(|step| step.quiet = false);
+        let mut quiet = loud.clone();
+        for (n, step) in quiet.iter_mut().enumerate() {
+            step.quiet = is_quiet(scheme, n as u64);
+        }
         let mut field = FastField::new(super::setup(nx, ny, scheme), 1);
         let silent = field.state();
-        let full = noise(&silent);
+        let full = super::noise(&silent);
         let cases = [(&full, &quiet), (&silent, &quiet), (&silent, &loud)];
         let mut seconds = [0.0_f64; 3];
         let mut shares = [0.0_f64; 3];

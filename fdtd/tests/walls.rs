@@ -172,7 +172,8 @@ fn along_the_axes_on_cell_borders_both_models_are_the_same() {
     assert_eq!(cut, stairs);
     for scheme in Scheme::ALL {
         let weights = scheme.weights(0.5667);
-        let rows = |cells| WallOperator::new(cells, &weights, scheme.radius());
+        let polynomial = scheme.polynomial(0.5667);
+        let rows = |cells| WallOperator::new(cells, &weights, &polynomial, scheme.radius());
         assert_eq!(rows(&cut), rows(&stairs), "{scheme}");
     }
 }
@@ -242,7 +243,8 @@ fn faces_of_cut_cells_keep_the_spectrum_and_rows_sum_to_zero() {
     }
     for scheme in Scheme::ALL {
         let weights = scheme.weights(0.5667);
-        let operator = WallOperator::new(&cells, &weights, scheme.radius());
+        let polynomial = scheme.polynomial(0.5667);
+        let operator = WallOperator::new(&cells, &weights, &polynomial, scheme.radius());
         let solid = |ix: usize, iy: usize| cells.solid().is_solid(ix, iy);
         // What the plain stencil loses to solid cells is what the corrections bring back.
         let plain = |dx: isize, dy: isize| match (dx.abs().min(dy.abs()), dx.abs().max(dy.abs())) {

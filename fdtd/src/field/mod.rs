@@ -77,6 +77,7 @@ impl FieldSetup {
             "Courant number {courant} over the stability limit"
         );
         let weights = scheme.weights(courant);
+        let polynomial = scheme.polynomial(courant);
         Self {
             nx: grid.nx,
             ny: grid.ny,
@@ -84,9 +85,10 @@ impl FieldSetup {
             weights,
             courant2: (courant * courant) as f32,
             layer: Profile::new(layer_cells, courant),
-            walls: WallOperator::new(walls, &weights, scheme.radius()).with_surfaces(
+            walls: WallOperator::new(walls, &weights, &polynomial, scheme.radius()).with_surfaces(
                 walls,
-                &scheme.polynomial(courant),
+                &weights,
+                &polynomial,
                 scheme.radius(),
                 grid.dt_s,
                 medium.rho_kgpm3 * medium.c_mps,

@@ -14,6 +14,7 @@
 
 use super::clip::{Convex, Cover, open_area};
 use super::faces::{Openings, soft_cells};
+use super::slant::slants;
 use super::{Opening, SolidMask, Wall, WallCells};
 use crate::grid::Grid;
 use std::collections::BTreeMap;
@@ -97,7 +98,10 @@ pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
         }
     }
     let loads = open.loads(grid, walls, &soft);
-    WallCells::new(solid, partial).with_loads(loads)
+    let slants = slants(&open, &loads);
+    WallCells::new(solid, partial)
+        .with_loads(loads)
+        .with_slants(slants)
 }
 
 /// The convex parts of a wall, in cells: rectangles and round joints.

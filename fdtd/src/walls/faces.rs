@@ -25,7 +25,7 @@ impl Openings<'_> {
     }
 
     /// Open part of the face of a cell to its neighbour at lower x (`axis` 0) or y (1).
-    fn face(&self, axis: usize, ix: isize, iy: isize) -> f64 {
+    pub(super) fn face(&self, axis: usize, ix: isize, iy: isize) -> f64 {
         let other = [(ix - 1, iy), (ix, iy - 1)][axis];
         if self.area(ix, iy) == 0.0 || self.area(other.0, other.1) == 0.0 {
             return 0.0;

@@ -9,8 +9,8 @@
 //!
 //! c is for the velocity, a mean of two half steps, the root for a flow that the lattice carries away with another velocity than the air. A part
 //! that grows with distance ([`Fit`]) keeps the weights small and near the wall: so the mass of air before the surface is the same at all
-//! frequencies, and nearly so at all angles. Its numbers and the masses come from an analysis of the step in strips along walls of rational slopes, with
-//! their cut cells, at 4, 7 and 10 kHz: they keep the error of the reflection factor small over angle and impedance, on the papers' grid.
+//! frequencies, and nearly so at all angles ([`super::inertance`]). Its numbers keep the error of the reflection factor small over angle and impedance at 10 kHz on the
+//! papers' grid, met at 0 and at 45 degrees, by [`crate::validation::tilted_impedance`].
 
 use super::WallCells;
 use super::aperture::{BAND_EDGE, COSINES};
@@ -34,27 +34,12 @@ struct Fit {
 }
 
 const FIT: Fit = Fit {
-    ridge: 0.0058,
+    ridge: 0.0116,
     depth: 0.6,
     sum: 1.01,
-    change: [-0.05, 0.0],
+    change: [-0.05, 0.04],
     advance: 0.5,
 };
-
-/// Masses of air before a surface in cell widths: rows from 15 to 45 degrees between normal and axis, in steps of five; columns by the distance of
-/// the surface's cell from the wall, from -0.7 to 0.7 cell widths in steps of a tenth. With them a flow that is the same along the whole wall meets
-/// no reactance in any piece, in the strips' analysis of m13, o13 and d25 at 7 and 10 kHz: the three agree within 0.005 and the table within 0.016.
-/// At 20 degrees they are more by 0.003 than that, from 30 degrees on less by 0.003 to 0.008, by the errors where such walls are met at 45 degrees.
-#[rustfmt::skip]
-const MASSES: [[f64; 15]; 7] = [
-    [0.39, 0.44, 0.49, 0.44, 0.33, 0.30, 0.31, 0.33, 0.40, 0.45, 0.48, 0.52, 0.49, 0.44, 0.40],
-    [0.213, 0.353, 0.493, 0.443, 0.363, 0.293, 0.343, 0.343, 0.403, 0.453, 0.493, 0.503, 0.463, 0.443, 0.423],
-    [0.36, 0.39, 0.42, 0.45, 0.36, 0.35, 0.28, 0.38, 0.43, 0.46, 0.47, 0.49, 0.43, 0.42, 0.41],
-    [0.397, 0.407, 0.407, 0.437, 0.377, 0.347, 0.337, 0.367, 0.397, 0.447, 0.477, 0.467, 0.387, 0.387, 0.387],
-    [0.402, 0.392, 0.382, 0.412, 0.402, 0.342, 0.372, 0.382, 0.362, 0.422, 0.452, 0.442, 0.392, 0.352, 0.332],
-    [0.383, 0.383, 0.373, 0.373, 0.363, 0.343, 0.393, 0.413, 0.413, 0.413, 0.393, 0.413, 0.373, 0.353, 0.393],
-    [0.403, 0.383, 0.363, 0.343, 0.303, 0.383, 0.433, 0.423, 0.423, 0.393, 0.383, 0.363, 0.363, 0.393, 0.393],
-];
 
 /// Where other walls leave few cells, weights whose magnitudes sum to more are not worth the mass that they ask for.
 const MOST_WEIGHT: f64 = 3.0;
@@ -93,8 +78,8 @@ impl Footprints {
         }
     }
 
-    /// Weights of cells for a piece of surface, and the mass of air before it in cell widths.
-    pub(super) fn at(&self, walls: &WallCells, load: &Load) -> (Reach, f64) {
+    /// Weights of cells for a piece of surface.
+    pub(super) fn at(&self, walls: &WallCells, load: &Load) -> Reach {
         let places = self.places(walls, load);
         let waves = self.waves(load.normal);
         let mut ridge = FIT.ridge;
@@ -103,7 +88,7 @@ impl Footprints {
             let most: f64 = weights.iter().map(|weight| weight.abs()).sum();
             if most <= MOST_WEIGHT || ridge > 1e3 {
                 let cells = places.iter().map(|place| place.cell);
-                return (cells.zip(weights).collect(), mass(load));
+                return cells.zip(weights).collect();
             }
             ridge *= 4.0;
         }
@@ -191,23 +176,6 @@ impl Footprints {
         }
         waves
     }
-}
-
-/// Mass of air before a piece of surface, between the entries of [`MASSES`].
-fn mass(load: &Load) -> f64 {
-    let angle_deg = load.nearest_axis().1.min(1.0).acos().to_degrees();
-    let between = |place: f64, count: usize| {
-        let place = place.clamp(0.0, count as f64 - 1.0);
-        let low = (place as usize).min(count - 2);
-        (low, place - low as f64)
-    };
-    let (row, down) = between((angle_deg - 15.0) / 5.0, MASSES.len());
-    let (column, right) = between((load.distance + 0.7) / 0.1, MASSES[0].len());
-    let mix = |row: usize| {
-        let [left, next] = [MASSES[row][column], MASSES[row][column + 1]];
-        left + right * (next - left)
-    };
-    mix(row) + down * (mix(row + 1) - mix(row))
 }
 
 /// Where the middle of a surface lies along it, from the foot of the perpendicular from its cell's middle.

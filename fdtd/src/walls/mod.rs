@@ -7,7 +7,7 @@
 //! * `openings`: what all of it gives to the field; [`operator`]: the field's rows near walls;
 //! * `impedance`: what the surface of a wall may be; `branches`: one of resistances, inertances and compliances, in steps; `fit` (with `linear`): which of these;
 //! * `surface`: what surfaces of an impedance do to the field; `aperture` (with `half_line`) and `footprint`: through which cells, before walls along the axes and others;
-//!   `spring`: with how much mass.
+//!   `inertance`, `spring`: with how much mass; `slant`: what the operator does differently in cells that slanted ones cut.
 
 mod aperture;
 mod branches;
@@ -18,11 +18,13 @@ mod fit;
 mod footprint;
 mod half_line;
 mod impedance;
+mod inertance;
 mod linear;
 mod model;
 mod openings;
 pub mod operator;
 mod rasterize;
+mod slant;
 mod spring;
 mod surface;
 mod wall;

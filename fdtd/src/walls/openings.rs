@@ -1,5 +1,6 @@
 //! How much of every cell and of every face between cells is open: what walls are to the field.
 
+use super::slant::{Slant, Slants};
 use super::{Impedance, SolidMask};
 use std::collections::BTreeMap;
 
@@ -56,6 +57,8 @@ pub struct WallCells {
     partial: BTreeMap<usize, Opening>,
     /// Surfaces that are not rigid, in the order of the cells in which they lie.
     loads: Vec<Load>,
+    /// Cells that slanted ones of these walls cut.
+    slants: Slants,
 }
 
 impl WallCells {
@@ -66,12 +69,23 @@ impl WallCells {
             solid,
             partial,
             loads: Vec::new(),
+            slants: Slants::new(),
         }
     }
 
     /// The same with surfaces that are not rigid.
     pub(super) fn with_loads(self, loads: Vec<Load>) -> Self {
         Self { loads, ..self }
+    }
+
+    /// The same with what slanted walls that are not rigid change ([`super::slant`]).
+    pub(super) fn with_slants(self, slants: Slants) -> Self {
+        Self { slants, ..self }
+    }
+
+    /// What a slanted wall that is not rigid changes in a cell of any place, if it cuts it.
+    pub(super) fn slant(&self, ix: isize, iy: isize) -> Option<&Slant> {
+        (self.solid.index(ix, iy)).and_then(|cell| self.slants.get(&cell))
     }
 
     /// The surfaces that are not rigid, in the order of the cells in which they lie.
@@ -126,10 +140,12 @@ impl WallCells {
             cell: [load.cell[0] - x, load.cell[1] - y],
             ..load.clone()
         });
+        let slants = self.slants.iter();
         Self {
             solid,
             partial: partial.collect(),
             loads: loads.collect(),
+            slants: slants.map(|(&cell, &slant)| (moved(cell), slant)).collect(),
         }
     }
 
@@ -213,6 +229,7 @@ impl From<SolidMask> for WallCells {
             solid,
             partial: BTreeMap::new(),
             loads: Vec::new(),
+            slants: Slants::new(),
         }
     }
 }

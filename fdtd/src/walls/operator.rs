@@ -6,9 +6,11 @@
 //! are worked out once and stored as differences to the plain stencil. Solid cells hold zero pressure, so the plain
 //! stencil sees nothing beyond the wall; next to whole cells few entries per row differ.
 
+use super::inertance::Row;
 use super::surface::{Surface, surfaces};
 use super::{Opening, SolidMask, WallCells};
 use crate::scheme::{Polynomial, Weights};
+use std::collections::BTreeMap;
 
 /// Half width of the patch in which a row of the operator is worked out; a scheme of radius three needs three cells and
 /// their faces.
@@ -42,6 +44,10 @@ struct Patch {
     area: Values,
     west: Values,
     south: Values,
+    /// How much of the square of A - B slanted walls leave out ([`super::slant`]).
+    slanted: Values,
+    /// Pairs of cells `[x, y]` with a way between them, and its weight.
+    bridges: Vec<([[usize; 2]; 2], f64)>,
 }
 
 impl Patch {
@@ -52,12 +58,15 @@ impl Patch {
             area: full,
             west: full,
             south: full,
+            slanted: [[0.0; WIDTH]; WIDTH],
+            bridges: Vec::new(),
         }
     }
 
     /// Around a cell; what lies outside the grid is open, as the plain stencil has it.
-    fn around(walls: &WallCells, [ix, iy]: [usize; 2]) -> Self {
+    fn around(walls: &WallCells, [ix, iy]: [usize; 2], spare: f64) -> Self {
         let mut patch = Self::open();
+        let mut small = Vec::new();
         for y in 0..WIDTH {
             for x in 0..WIDTH {
                 let at = |i: usize, centre: usize| centre as isize + i as isize - REACH;
@@ -69,9 +78,46 @@ impl Patch {
                 patch.area[y][x] = opening.area;
                 patch.west[y][x] = opening.west;
                 patch.south[y][x] = opening.south;
+                if let Some(slant) = walls.slant(at(x, ix), at(y, iy)) {
+                    patch.slanted[y][x] = slant.share;
+                    small.extend(slant.bridge.map(|bridge| ([x, y], bridge)));
+                }
+            }
+        }
+        for (place, bridge) in small {
+            let ends = bridge.ends(place.map(|at| at as isize));
+            // Those that reach beyond the patch are too far away for the row.
+            let inside = |at: isize| (0..WIDTH as isize).contains(&at);
+            if ends.iter().flatten().all(|&at| inside(at)) {
+                let ends = ends.map(|end| end.map(|at| at as usize));
+                let weight = bridge.borne(spare, ends.map(|[x, y]| patch.area[y][x]));
+                patch.bridges.push((ends, weight));
             }
         }
         patch
+    }
+
+    /// What the bridges add to `A u + B u`.
+    fn bridged(&self, u: &Values) -> Values {
+        let mut out = [[0.0; WIDTH]; WIDTH];
+        for &([[x, y], [to_x, to_y]], weight) in &self.bridges {
+            let flow = weight * (u[to_y][to_x] - u[y][x]);
+            out[y][x] += flow / self.area[y][x];
+            out[to_y][to_x] -= flow / self.area[to_y][to_x];
+        }
+        out
+    }
+
+    /// `(A - B) (1 - Q) (A - B) u` with 1 - Q the shares of [`super::slant`], from `a = A u` and `b = B u`.
+    fn left_out(&self, a: &Values, b: &Values) -> Values {
+        let mut between = combine(&[(1.0, a), (-1.0, b)]);
+        for (value, slanted) in (between.iter_mut().flatten()).zip(self.slanted.iter().flatten()) {
+            *value *= slanted;
+        }
+        combine(&[
+            (1.0, &self.second_difference(&between, 0)),
+            (-1.0, &self.second_difference(&between, 1)),
+        ])
     }
 
     /// Masked second difference of `u` along x (`axis` 0) or y (1); zero in solid cells and on the patch's rim.
@@ -109,6 +155,7 @@ impl Patch {
         let mut out = combine(&[
             (f64::from(weights.linear), &a),
             (f64::from(weights.linear), &b),
+            (f64::from(weights.linear), &self.bridged(&unit)),
         ]);
         if weights.square != 0.0 || weights.mixed != 0.0 {
             let square = f64::from(weights.square);
@@ -124,6 +171,10 @@ impl Patch {
                 (half, &ab),
                 (half, &ba),
             ]);
+            let unlike = 0.5 * (square - half);
+            if unlike < 0.0 && square + half <= 0.0 {
+                out = combine(&[(1.0, &out), (-unlike, &self.left_out(&a, &b))]);
+            }
             if weights.cube != 0.0 || weights.cross != 0.0 {
                 let (cube, cross) = (f64::from(weights.cube), f64::from(weights.cross));
                 out = combine(&[
@@ -158,8 +209,14 @@ fn combine(terms: &[(f64, &Values)]) -> Values {
 }
 
 impl WallOperator {
-    /// Works out the rows near `walls` for a scheme with `weights` and stencil `radius` (1 to 3).
-    pub fn new(walls: &WallCells, weights: &Weights, radius: usize) -> Self {
+    /// Works out the rows near `walls` for a scheme with `weights`, the rounded ones of `polynomial`, and stencil `radius` (1 to 3).
+    pub fn new(
+        walls: &WallCells,
+        weights: &Weights,
+        polynomial: &Polynomial,
+        radius: usize,
+    ) -> Self {
+        let spare = polynomial.spare();
         let mask = walls.solid();
         let (nx, ny) = (mask.nx, mask.ny);
         let plain = Patch::open().operator_row(weights);
@@ -175,7 +232,7 @@ impl WallOperator {
                 if mask.cells[cell] {
                     operator.solid[iy].push(ix);
                 } else if near[cell] {
-                    let patch = Patch::around(walls, [ix, iy]);
+                    let patch = Patch::around(walls, [ix, iy], spare);
                     let row = patch.operator_row(weights);
                     let entries = difference(&patch, mask, [ix, iy], &row, &plain);
                     if !entries.is_empty() {
@@ -187,19 +244,61 @@ impl WallOperator {
         operator
     }
 
-    /// With the surfaces of `walls` that are not rigid, for a stencil of `radius`, the Courant number of `polynomial`, steps of `dt_s` and the characteristic
+    /// With the surfaces of `walls` that are not rigid, for a scheme with `weights` and stencil `radius`, the Courant number of `polynomial`, steps of `dt_s` and the characteristic
     /// impedance `rho c` of the air in Pa s/m.
     #[must_use]
     pub fn with_surfaces(
         mut self,
         walls: &WallCells,
+        weights: &Weights,
         polynomial: &Polynomial,
         radius: usize,
         dt_s: f64,
         characteristic_pasm: f64,
     ) -> Self {
-        self.surfaces = surfaces(walls, polynomial, radius, dt_s, characteristic_pasm);
+        let surfaces = surfaces(
+            walls,
+            &self.rows(walls, weights, polynomial, radius),
+            polynomial,
+            radius,
+            dt_s,
+            characteristic_pasm,
+        );
+        self.surfaces = surfaces;
         self
+    }
+
+    /// Rows of the operator over the Courant number squared, of cells that hold air.
+    fn rows<'a>(
+        &'a self,
+        walls: &'a WallCells,
+        weights: &Weights,
+        polynomial: &Polynomial,
+        radius: usize,
+    ) -> impl Fn([usize; 2]) -> Row + 'a {
+        let plain = Patch::open().operator_row(weights);
+        let (reach, linear) = (radius as isize, polynomial.linear);
+        move |[ix, iy]| {
+            let [x, y] = [ix as isize, iy as isize];
+            let mut row: BTreeMap<[isize; 2], f64> = BTreeMap::new();
+            for dy in -reach..=reach {
+                for dx in -reach..=reach {
+                    let [i, j] = [dx, dy].map(|offset| (offset + REACH) as usize);
+                    if plain[j][i] != 0.0 && walls.opening(x + dx, y + dy).is_some() {
+                        row.insert([dx, dy], plain[j][i]);
+                    }
+                }
+            }
+            let corrections = &self.corrections[iy];
+            if let Ok(at) = corrections.binary_search_by_key(&ix, |correction| correction.ix) {
+                for &(dy, column, weight) in &corrections[at].entries {
+                    *row.entry([column as isize - x, dy]).or_default() += f64::from(weight);
+                }
+            }
+            row.into_iter()
+                .map(|(at, weight)| (at, weight / linear))
+                .collect()
+        }
     }
 
     /// How many numbers the field keeps of surfaces.

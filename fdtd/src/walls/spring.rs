@@ -1,7 +1,7 @@
 //! The mass that a surface needs to be passive, from the springs that the air before it bears.
 //!
 //! `chi^2 sum l (f.p)^2/m` over all surfaces must not be more than what the rigid operator leaves of 4 (see [`super::surface`]). That is at least
-//! the form `H = chi^2 [spare V + smooth (8 V - V P - V Q)]` of [`Polynomial::slack`]: much for smooth fields, which the weights f sample, and little for
+//! the form `H = chi^2 [spare V + smooth (8 V - V P - V Q)]` of [`Polynomial::slack`], less the bridges of [`super::slant`]: much for smooth fields, which the weights f sample, and little for
 //! the checkerboard, which they do not. By `G = sum chi^2 f' H^-1 f` between two surfaces it is enough that `m >= sum l |G|` for each, summed over all others and
 //! itself (Gershgorin's circles of the matrix of G, scaled with the lengths). `y = H^-1 f` is worked out by conjugate gradients in a
 //! window around the surface: it falls by four from cell to cell, so that what the window leaves out is far below the hundredth that is added.
@@ -79,6 +79,8 @@ struct Window {
     south: Values,
     /// Diagonal of the form; 0 where there is no air.
     own: Values,
+    /// Bridges past small cells, and their weights.
+    bridges: Vec<([[usize; 2]; 2], f64)>,
 }
 
 impl Window {
@@ -88,7 +90,9 @@ impl Window {
             west: [[0.0; WIDTH]; WIDTH],
             south: [[0.0; WIDTH]; WIDTH],
             own: [[0.0; WIDTH]; WIDTH],
+            bridges: Vec::new(),
         };
+        let mut bridges = Vec::new();
         for y in 0..WIDTH {
             for x in 0..WIDTH {
                 let at = |i: usize, axis: usize| centre[axis] as isize + i as isize - REACH;
@@ -106,6 +110,34 @@ impl Window {
                     window.south[y][x] = south;
                     window.own[y - 1][x] -= south;
                 }
+                if let Some(bridge) = walls
+                    .slant(at(x, 0), at(y, 1))
+                    .and_then(|slant| slant.bridge)
+                {
+                    let ends = bridge.ends([x, y].map(|at| at as isize));
+                    let area = |[x, y]: [isize; 2]| {
+                        let place = [x, y].map(|at| at - REACH);
+                        let opening = walls
+                            .opening(centre[0] as isize + place[0], centre[1] as isize + place[1]);
+                        opening.map_or(1.0, |opening| opening.area)
+                    };
+                    bridges.push((ends, bridge.borne(spare, ends.map(area))));
+                }
+            }
+        }
+        // They are a part of the operator, and take from what it leaves.
+        for (ends, weight) in bridges {
+            let inside = |[x, y]: &[isize; 2]| {
+                [x, y]
+                    .into_iter()
+                    .all(|at| (0..WIDTH as isize).contains(at))
+            };
+            for [x, y] in ends.into_iter().filter(inside) {
+                window.own[y as usize][x as usize] -= weight;
+            }
+            if ends.iter().all(inside) {
+                let ends = ends.map(|end| end.map(|at| at as usize));
+                window.bridges.push((ends, weight));
             }
         }
         window
@@ -137,6 +169,10 @@ impl Window {
                     out[y - 1][x] += self.south[y][x] * u[y][x];
                 }
             }
+        }
+        for &([[x, y], [to_x, to_y]], weight) in &self.bridges {
+            out[y][x] += weight * u[to_y][to_x];
+            out[to_y][to_x] += weight * u[y][x];
         }
         out
     }

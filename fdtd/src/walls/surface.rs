@@ -25,6 +25,7 @@ use super::branches::Branches;
 use super::fit::{Reduced, Remainder, reduce};
 use super::footprint::Footprints;
 use super::impedance::Impedance;
+use super::inertance::{Row, slanted_masses};
 use super::openings::Load;
 use super::spring::{Piece, least_masses};
 use crate::scheme::Polynomial;
@@ -68,12 +69,13 @@ impl Surface {
 const LEAST_BESIDE: f64 = 0.5;
 
 /// Cosine of the angle between a wall's normal and the axis up to which columns of cells serve it; beyond 18 degrees boxes do.
-const LEAST_SLOPE: f64 = 0.95;
+pub(super) const LEAST_SLOPE: f64 = 0.95;
 
 /// The surfaces of `walls` by row for a stencil of a radius, for the Courant number of `polynomial`, steps of `dt_s` and the characteristic impedance
-/// `rho c` of the air in Pa s/m.
+/// `rho c` of the air in Pa s/m, on a field whose operator has `rows`.
 pub(super) fn surfaces(
     walls: &WallCells,
+    rows_of: &dyn Fn([usize; 2]) -> Row,
     polynomial: &Polynomial,
     radius: usize,
     dt_s: f64,
@@ -98,15 +100,18 @@ pub(super) fn surfaces(
             before.push((aperture.mass, (Some(place), remainder)));
             column.reach(walls, &aperture)
         } else {
-            let (reach, mass) = footprints.at(walls, load);
-            before.push((mass, (None, &nothing)));
-            reach
+            // Its mass is known when all have their cells.
+            before.push((0.0, (None, &nothing)));
+            footprints.at(walls, load)
         };
         pieces.push(Piece {
             cell: load.cell,
             length: load.length,
             reach,
         });
+    }
+    for (index, mass) in slanted_masses(walls, rows_of, &pieces) {
+        before[index].0 = mass;
     }
     let least = least_masses(walls, polynomial, &pieces);
     let area = |[ix, iy]: [usize; 2]| {

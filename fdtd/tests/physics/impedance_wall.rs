@@ -15,7 +15,7 @@ use fdtd::field::Field;
 use fdtd::scheme::Scheme;
 use fdtd::validation::impedance::{CASES, PLACES, is_held, largest};
 use fdtd::validation::room::slanted_room;
-use fdtd::validation::tilted_impedance::{self, RATIOS, SCHEMES, SLANTS, SLOPES, TOLERANCE};
+use fdtd::validation::tilted_impedance::{self, RATIOS, SCHEMES, SLANTS, SLOPES, STRAY, TOLERANCE};
 use fdtd::walls::{Impedance, WallModel};
 use proptest::prelude::*;
 
@@ -76,6 +76,20 @@ fn the_echo_of_a_tilted_wall_is_the_rigid_one_times_the_factor() {
                 );
             }
         }
+    }
+}
+
+#[test]
+fn a_stiff_wall_of_45_degrees_echoes_the_same_wherever_it_cuts_the_cells() {
+    let places = &tilted_impedance::PLACES;
+    for scheme in [Scheme::O13, Scheme::D25] {
+        let errors = tilted_impedance::errors(scheme, WallModel::CutCells, 45.0, 1.0, places)
+            .expect("a finite field");
+        println!(
+            "tilted impedance, {scheme}, stiff at 45 degrees: {:.4}",
+            errors.stiff
+        );
+        assert!(errors.stiff < STRAY, "{scheme}: {}", errors.stiff);
     }
 }
 

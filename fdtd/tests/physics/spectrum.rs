@@ -5,13 +5,17 @@
 //! Formula: `-L v = 2 v - p'` for the step from `p = v`, `p'' = 0`; its largest eigenvalue by power iteration, the smallest by that of its difference to 4.
 //! Bias: power iteration approaches from inside.
 //! Tolerance: at most [`fdtd::scheme::Polynomial::bound`], at least 0, rounding 1e-5.
+//!
+//! The same between crossed walls of 20 to 45 degrees so stiff that they take nothing, in whose cells the operator is another one (`walls/slant.rs`): at most 4, near the
+//! largest Courant number that such walls allow and at half of it.
 
-use crate::rig::{AIR, DX_M};
+use crate::rig::{AIR, DX_M, crossed_room};
 use fdtd::field::{Field, FieldSetup, FieldState, Injection, ReferenceField, StepForcing};
 use fdtd::grid::Grid;
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
 use fdtd::validation::room::{closed_rig, slanted_rig};
+use fdtd::walls::{Impedance, WallModel};
 
 /// Rayleigh quotient after `turns` of power iteration with `-L` (or `4 + L` when `mirrored`), in the inner product of the open areas.
 fn extreme(setup: &FieldSetup, areas: &[f64], mirrored: bool, turns: usize) -> f64 {
@@ -97,6 +101,32 @@ fn the_spectrum_with_walls_is_within_the_bound() {
                 assert!(largest < bound + 1e-5, "{scheme}: {largest} over {bound}");
                 assert!(smallest > -1e-5, "{scheme}: {smallest}");
             }
+        }
+    }
+}
+
+#[test]
+fn slanted_walls_of_an_impedance_leave_it_within_four() {
+    let lines = [
+        [0.05, 0.03, 0.12, 0.17],
+        [0.1, 0.2, 0.22, 0.06],
+        [0.05, 0.25, 0.19, 0.13],
+    ];
+    let stiff = Impedance::Real(1e9);
+    for scheme in Scheme::ALL {
+        for courant in [0.62, 0.31] {
+            let rig = crossed_room(scheme, WallModel::CutCells, &lines, &stiff);
+            let grid = Grid {
+                dt_s: courant * DX_M / AIR.c_mps,
+                ..rig.grid()
+            };
+            let setup = FieldSetup::new(&grid, &AIR, scheme, 0, &rig.walls);
+            let areas = rig.walls.areas();
+            let largest = extreme(&setup, &areas, false, 400);
+            let smallest = extreme(&setup, &areas, true, 400);
+            println!("spectrum, slanted, {scheme} at {courant}: {smallest:.2e} to {largest:.4}");
+            assert!(largest < 4.0, "{scheme}: {largest}");
+            assert!(smallest > -1e-5, "{scheme}: {smallest}");
         }
     }
 }

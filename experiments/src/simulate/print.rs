@@ -18,6 +18,15 @@ const PROBE: &str = r#"{
     "legs": [{"duration_s": 0.2, "v_mps": 1.0, "omega_radps": 0.0}]}}
 }"#;
 
+/// The walls of a second probe for scenes with walls that are not rigid: an impedance before both kinds of slopes, and branches.
+const SOFT_WALLS: &str = r#"[
+  {"points_m": [[0.20, 0.55], [0.40, 0.57]], "thickness_m": 0.02, "impedance_pasm": 300},
+  {"points_m": [[0.20, 0.45], [0.25, 0.52]], "thickness_m": 0.02, "impedance_pasm": 300},
+  {"points_m": [[0.45, 0.55], [0.60, 0.40]], "thickness_m": 0.02, "impedance_pasm": 300},
+  {"points_m": [[0.20, 0.15], [0.60, 0.15]], "thickness_m": 0.02,
+    "branches": [{"resistance_pasm": 90, "compliance_mppa": 4e-8}]}
+]"#;
+
 /// Drive of the probe scene for a take. A free field has one that is long enough for two pieces, for they determine what is heard too.
 fn probe_path(take: &Take) -> &'static str {
     match (take.engine, take.free_field) {
@@ -32,7 +41,19 @@ fn probe_path(take: &Take) -> &'static str {
 /// # Errors
 /// When the probe scene does not run.
 pub fn engine_print(take: &Take, scene: &Scene) -> Result<String> {
-    let probe = Scene::from_json(PROBE, Path::new("probe")).map_err(|error| anyhow!("{error}"))?;
+    let mut samples = probed(PROBE, take, scene)?;
+    let is_soft = scene.walls.iter().any(|wall| wall.impedance.is_some());
+    if is_soft && take.engine == Engine::Fdtd && !take.free_field {
+        let mut probe: serde_json::Value = serde_json::from_str(PROBE)?;
+        probe["walls"] = serde_json::from_str(SOFT_WALLS)?;
+        samples.extend(probed(&probe.to_string(), take, scene)?);
+    }
+    Ok(crate::cache::hash_of_samples(&samples))
+}
+
+/// What is heard in a probe scene by a take of `scene`.
+fn probed(probe: &str, take: &Take, scene: &Scene) -> Result<Vec<f32>> {
+    let probe = Scene::from_json(probe, Path::new("probe")).map_err(|error| anyhow!("{error}"))?;
     let take = Take {
         path: probe_path(take).to_string(),
         scheme: Some(take.scheme.unwrap_or(scene.scheme)),
@@ -45,16 +66,30 @@ pub fn engine_print(take: &Take, scene: &Scene) -> Result<String> {
         ..Running::default()
     };
     let task = crate::progress::Board::new().task("probe", 1);
-    let samples = signal(&probe, &take, &running, &task)?;
-    Ok(crate::cache::hash_of_samples(&samples))
+    signal(&probe, &take, &running, &task)
 }
 
 #[cfg(test)]
 mod tests {
     use fdtd::scheme::Scheme;
+    use fdtd::walls::Impedance;
 
     use super::super::prepare;
     use super::*;
+
+    #[test]
+    fn the_print_of_a_scene_with_soft_walls_is_another() {
+        let mut scene = Scene::from_json(PROBE, Path::new("probe")).unwrap();
+        let take = Take::of("probe", Engine::Fdtd);
+        let rigid = engine_print(&take, &scene).unwrap();
+        scene.walls[0].impedance = Some(Impedance::Real(400.0));
+        assert_ne!(engine_print(&take, &scene).unwrap(), rigid);
+        // A free field hears no walls.
+        let free = take.in_free_field();
+        let soft = engine_print(&free, &scene).unwrap();
+        scene.walls[0].impedance = None;
+        assert_eq!(engine_print(&free, &scene).unwrap(), soft);
+    }
 
     #[test]
     fn the_probe_of_a_free_field_has_pieces() {

@@ -27,7 +27,7 @@ pub(super) type Row = Vec<([isize; 2], f64)>;
 
 /// What is added to the masses in cell widths, by the angle between normal and axis in degrees: from errors of the reflection factor at 10 kHz with m13, o13 and d25, met
 /// at 0 and at 45 degrees ([`crate::validation::tilted_impedance`]). Up to the first angle and from the second on it is the same.
-const CHANGES: [(f64, f64); 2] = [(27.0, 0.0075), (45.0, -0.0095)];
+const CHANGES: [(f64, f64); 2] = [(20.0, 0.013), (45.0, -0.0095)];
 
 /// The change for a surface.
 fn change(load: &Load) -> f64 {

@@ -57,7 +57,7 @@ pub(super) struct Slant {
 pub(super) type Slants = BTreeMap<usize, Slant>;
 
 /// Angle between normal and axis in degrees from which on all of it is done; from where columns of cells end ([`LEAST_SLOPE`]) up to there it comes in gradually.
-const WHOLLY_DEG: f64 = 30.0;
+const WHOLLY_DEG: f64 = 20.0;
 
 /// How much of it is done for a surface.
 fn share(load: &Load) -> f64 {

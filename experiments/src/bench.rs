@@ -119,7 +119,7 @@ fn forcing(nx: usize, ny: usize) -> Vec<StepForcing> {
 }
 
 /// A field of noise around 1: in full swing, as it is in nearly all of a drive.
-fn noise(state: &FieldState) -> FieldState {
+fn noise(state: FieldState) -> FieldState {
     let mut seed = 1_u32;
     let pressure: Vec<f32> = (0..state.pressure.len())
         .map(|_| {
@@ -130,7 +130,7 @@ fn noise(state: &FieldState) -> FieldState {
     FieldState {
         previous: pressure.clone(),
         pressure,
-        ..state.clone()
+        ..state
     }
 }
 
@@ -143,7 +143,7 @@ fn time(
 ) -> Result<(usize, f64)> {
     let block = field.preferred_block().clamp(1, FORCING);
     let mut received = Vec::new();
-    field.set_state(&noise(&field.state()));
+    field.set_state(&noise(field.state()));
     field.advance(&forcing[..block.min(steps.unwrap_or(block))], &mut received);
     let start = Instant::now();
     let (mut done, mut best) = (0, 0.0_f64);

@@ -70,7 +70,7 @@ pub fn measure(nx: usize, ny: usize, steps: Option<usize>) -> Result<Vec<Row>> {
         }
         let mut field = FastField::new(super::setup(nx, ny, scheme), 1);
         let silent = field.state();
-        let full = super::noise(&silent);
+        let full = super::noise(silent.clone());
         let cases = [(&full, &quiet), (&silent, &quiet), (&silent, &loud)];
         let mut seconds = [0.0_f64; 3];
         let mut shares = [0.0_f64; 3];

@@ -54,7 +54,7 @@ pub const SLANTS: [(f64, [f64; 2]); 5] = [
 pub const TOLERANCE: f64 = 0.02;
 
 /// Tilts in degrees of slopes of 1 to 2 and 1 to 1, and what the factor may be off in any place at normal incidence and at 45 degrees.
-pub const SLOPES: [(f64, [f64; 2]); 2] = [(26.565, [0.055, 0.05]), (45.0, [0.055, 0.1])];
+pub const SLOPES: [(f64, [f64; 2]); 2] = [(26.565, [0.05, 0.05]), (45.0, [0.05, 0.1])];
 
 /// By how much the echo of a stiff wall of a slope of 1 to 1 may be off its mean in any place. A rigid wall's phase
 /// changes by 0.2 from place to place where it is met at 45 degrees.

@@ -1,4 +1,4 @@
-//! A few linear equations.
+//! Linear equations: a few with all their numbers, more with a symmetric form.
 
 /// Solution of equations, each a row with its right side at the end, by elimination with pivots by row.
 pub(super) fn solve(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
@@ -22,4 +22,72 @@ pub(super) fn solve(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
         found[column] = (rows[column][n] - known) / rows[column][column];
     }
     found
+}
+
+/// Solution u of `form(u) = load` by conjugate gradients from zero, with `own` (the form's diagonal, 0 where there is no air) as a guess of the form. It ends after
+/// `rounds`, or when nothing is left to do; a form that does not determine the solution gives any.
+pub(super) fn conjugate_gradients(
+    form: impl Fn(&[f64]) -> Vec<f64>,
+    own: &[f64],
+    load: &[f64],
+    rounds: usize,
+) -> Vec<f64> {
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let over = |values: &[f64]| -> Vec<f64> {
+        let parts = values.iter().zip(own);
+        parts
+            .map(|(value, own)| if *own > 0.0 { value / own } else { 0.0 })
+            .collect()
+    };
+    let add = |to: &mut [f64], factor: f64, from: &[f64]| {
+        for (to, from) in to.iter_mut().zip(from) {
+            *to += factor * from;
+        }
+    };
+    let mut found = vec![0.0; load.len()];
+    let mut rest = load.to_vec();
+    let mut way = over(&rest);
+    let mut size = dot(&rest, &way);
+    for _ in 0..rounds {
+        let along = form(&way);
+        let curvature = dot(&way, &along);
+        if curvature <= 0.0 || size < 1e-24 {
+            break;
+        }
+        add(&mut found, size / curvature, &way);
+        add(&mut rest, -size / curvature, &along);
+        let mut turned = over(&rest);
+        let next = dot(&rest, &turned);
+        add(&mut turned, next / size, &way);
+        (way, size) = (turned, next);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ways_give_the_same() {
+        // A chain of springs held at its ends.
+        let n = 9;
+        let weight = |i: usize, j: usize| match i.abs_diff(j) {
+            0 => 2.0 + 0.3 * i as f64,
+            1 => -1.0,
+            _ => 0.0,
+        };
+        let load: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
+        let row = |i: usize| -> Vec<f64> { (0..n).map(|j| weight(i, j)).collect() };
+        let full = (0..n).map(|i| [row(i), vec![load[i]]].concat()).collect();
+        let form = |u: &[f64]| -> Vec<f64> {
+            let product = |i: usize| row(i).iter().zip(u).map(|(a, b)| a * b).sum();
+            (0..n).map(product).collect()
+        };
+        let own: Vec<f64> = (0..n).map(|i| weight(i, i)).collect();
+        let found = conjugate_gradients(form, &own, &load, n);
+        for (a, b) in found.iter().zip(solve(full)) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+    }
 }

@@ -18,6 +18,7 @@
 
 use std::collections::BTreeMap;
 
+use super::WallCells;
 use super::faces::Openings;
 use super::openings::Load;
 use super::surface::LEAST_SLOPE;
@@ -33,14 +34,44 @@ pub(super) struct Bridge {
 
 impl Bridge {
     /// The two cells that it joins, of the small cell at a place.
-    pub(super) fn ends(&self, [x, y]: [isize; 2]) -> [[isize; 2]; 2] {
+    fn ends(&self, [x, y]: [isize; 2]) -> [[isize; 2]; 2] {
         [[x + self.sides[0], y], [x, y + self.sides[1]]]
     }
 
-    /// The weight that the step bears: a cell has two bridges at most, and the four times their weight that they add to the spectrum stay within half of what
-    /// the bound leaves of 4 ([`crate::scheme::Polynomial::spare`]) in the smaller of the two cells.
-    pub(super) fn borne(&self, spare: f64, areas: [f64; 2]) -> f64 {
+    /// The weight that the step bears. A bridge adds at most twice its weight in each of its cells, and a cell has two along a wall and four at most. So they stay within
+    /// half of what the bound leaves of 4 ([`crate::scheme::Polynomial::spare`]) along a wall, and within all of it anywhere.
+    fn borne(&self, spare: f64, areas: [f64; 2]) -> f64 {
         self.weight.min(spare * areas[0].min(areas[1]) / 8.0)
+    }
+}
+
+/// Place in a window of so many cells along a side, if it is in it.
+pub(super) fn place_in([x, y]: [isize; 2], width: usize) -> Option<[usize; 2]> {
+    let within = |at: isize| usize::try_from(at).ok().filter(|&at| at < width);
+    Some([within(x)?, within(y)?])
+}
+
+impl WallCells {
+    /// Bridges past the cells of a window that begins at `first`, `width` cells along a side: places of their ends in the window, where they may lie just outside, and
+    /// weights that a step bears whose bound leaves `spare`.
+    pub(super) fn bridges(
+        &self,
+        first: [isize; 2],
+        width: usize,
+        spare: f64,
+    ) -> Vec<([[isize; 2]; 2], f64)> {
+        let area = |[x, y]: [isize; 2]| {
+            let opening = self.opening(first[0] + x, first[1] + y);
+            opening.map_or(1.0, |opening| opening.area)
+        };
+        let places = (0..width as isize).flat_map(|y| (0..width as isize).map(move |x| [x, y]));
+        places
+            .filter_map(|[x, y]| {
+                let bridge = self.slant(first[0] + x, first[1] + y)?.bridge?;
+                let ends = bridge.ends([x, y]);
+                Some((ends, bridge.borne(spare, ends.map(area))))
+            })
+            .collect()
     }
 }
 

@@ -7,6 +7,8 @@
 //! window around the surface: it falls by four from cell to cell, so that what the window leaves out is far below the hundredth that is added.
 
 use super::WallCells;
+use super::linear::conjugate_gradients;
+use super::slant::place_in;
 use super::surface::Reach;
 use crate::scheme::Polynomial;
 use std::collections::BTreeMap;
@@ -92,7 +94,6 @@ impl Window {
             own: [[0.0; WIDTH]; WIDTH],
             bridges: Vec::new(),
         };
-        let mut bridges = Vec::new();
         for y in 0..WIDTH {
             for x in 0..WIDTH {
                 let at = |i: usize, axis: usize| centre[axis] as isize + i as isize - REACH;
@@ -110,34 +111,17 @@ impl Window {
                     window.south[y][x] = south;
                     window.own[y - 1][x] -= south;
                 }
-                if let Some(bridge) = walls
-                    .slant(at(x, 0), at(y, 1))
-                    .and_then(|slant| slant.bridge)
-                {
-                    let ends = bridge.ends([x, y].map(|at| at as isize));
-                    let area = |[x, y]: [isize; 2]| {
-                        let place = [x, y].map(|at| at - REACH);
-                        let opening = walls
-                            .opening(centre[0] as isize + place[0], centre[1] as isize + place[1]);
-                        opening.map_or(1.0, |opening| opening.area)
-                    };
-                    bridges.push((ends, bridge.borne(spare, ends.map(area))));
-                }
             }
         }
         // They are a part of the operator, and take from what it leaves.
-        for (ends, weight) in bridges {
-            let inside = |[x, y]: &[isize; 2]| {
-                [x, y]
-                    .into_iter()
-                    .all(|at| (0..WIDTH as isize).contains(at))
-            };
-            for [x, y] in ends.into_iter().filter(inside) {
-                window.own[y as usize][x as usize] -= weight;
+        let first = centre.map(|at| at as isize - REACH);
+        for (ends, weight) in walls.bridges(first, WIDTH, spare) {
+            let inside = ends.map(|end| place_in(end, WIDTH));
+            for [x, y] in inside.into_iter().flatten() {
+                window.own[y][x] -= weight;
             }
-            if ends.iter().all(inside) {
-                let ends = ends.map(|end| end.map(|at| at as usize));
-                window.bridges.push((ends, weight));
+            if let [Some(end), Some(other)] = inside {
+                window.bridges.push(([end, other], weight));
             }
         }
         window
@@ -177,44 +161,17 @@ impl Window {
         out
     }
 
-    /// Conjugate gradients for H y = load, with the diagonal as a guess of H.
+    /// The field with which the form gives `load`, with the diagonal as a guess of the form.
     fn solve(&self, load: &Values) -> Values {
-        let dot = |a: &Values, b: &Values| -> f64 {
-            let pairs = a.iter().flatten().zip(b.iter().flatten());
-            pairs.map(|(a, b)| a * b).sum()
+        let form = |u: &[f64]| {
+            let mut values = [[0.0; WIDTH]; WIDTH];
+            values.as_flattened_mut().copy_from_slice(u);
+            self.apply(&values).as_flattened().to_vec()
         };
-        let over = |values: &Values| -> Values {
-            std::array::from_fn(|y| {
-                std::array::from_fn(|x| {
-                    let own = self.own[y][x];
-                    if own > 0.0 { values[y][x] / own } else { 0.0 }
-                })
-            })
-        };
-        let add = |to: &mut Values, factor: f64, from: &Values| {
-            for (to, from) in to.iter_mut().flatten().zip(from.iter().flatten()) {
-                *to += factor * from;
-            }
-        };
+        let (own, load) = (self.own.as_flattened(), load.as_flattened());
         let mut found = [[0.0; WIDTH]; WIDTH];
-        let mut rest = *load;
-        let mut guess = over(&rest);
-        let mut way = guess;
-        let mut size = dot(&rest, &guess);
-        for _ in 0..ROUNDS {
-            let along = self.apply(&way);
-            let curvature = dot(&way, &along);
-            if curvature <= 0.0 || size <= 0.0 {
-                break;
-            }
-            add(&mut found, size / curvature, &way);
-            add(&mut rest, -size / curvature, &along);
-            guess = over(&rest);
-            let next = dot(&rest, &guess);
-            let mut turned = guess;
-            add(&mut turned, next / size, &way);
-            (way, size) = (turned, next);
-        }
+        let solution = conjugate_gradients(form, own, load, ROUNDS);
+        found.as_flattened_mut().copy_from_slice(&solution);
         found
     }
 }

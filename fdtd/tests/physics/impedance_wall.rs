@@ -49,7 +49,7 @@ fn the_reflection_factor_is_that_of_the_impedance() {
 }
 
 #[test]
-fn the_echo_of_a_tilted_wall_is_the_rigid_one_times_the_factor() {
+fn the_echo_of_a_tilted_wall_is_the_stiff_one_times_the_factor() {
     for scheme in SCHEMES {
         for (tilt_deg, [allowed, _]) in SLANTS.into_iter().chain(SLOPES) {
             // The other schemes at the worst tilts, the mean at the scenes' scheme; `echolot validate` has them all.

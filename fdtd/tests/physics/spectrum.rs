@@ -9,7 +9,7 @@
 //! The same between crossed walls of 20 to 45 degrees so stiff that they take nothing, in whose cells the operator is another one (`walls/slant.rs`): at most 4, near the
 //! largest Courant number that such walls allow and at half of it.
 
-use crate::rig::{AIR, DX_M, crossed_room};
+use crate::rig::{AIR, DX_M, Rig, crossed_room};
 use fdtd::field::{Field, FieldSetup, FieldState, Injection, ReferenceField, StepForcing};
 use fdtd::grid::Grid;
 use fdtd::scheme::Scheme;
@@ -80,20 +80,24 @@ fn extreme(setup: &FieldSetup, areas: &[f64], mirrored: bool, turns: usize) -> f
     if mirrored { 4.0 - quotient } else { quotient }
 }
 
+/// Smallest and largest eigenvalue with the walls of a rig at a Courant number.
+fn extremes(rig: &Rig, courant: f64) -> [f64; 2] {
+    let grid = Grid {
+        dt_s: courant * DX_M / AIR.c_mps,
+        ..rig.grid()
+    };
+    let setup = FieldSetup::new(&grid, &AIR, rig.scheme, 0, &rig.walls);
+    let areas = rig.walls.areas();
+    [true, false].map(|mirrored| extreme(&setup, &areas, mirrored, 400))
+}
+
 #[test]
 fn the_spectrum_with_walls_is_within_the_bound() {
     for scheme in Scheme::ALL {
         for part in [0.9999, 0.5] {
             for rig in [closed_rig(scheme, 64), slanted_rig(scheme, 64)] {
                 let courant = part * scheme.max_courant();
-                let grid = Grid {
-                    dt_s: courant * DX_M / AIR.c_mps,
-                    ..rig.grid()
-                };
-                let setup = FieldSetup::new(&grid, &AIR, scheme, 0, &rig.walls);
-                let areas = rig.walls.areas();
-                let largest = extreme(&setup, &areas, false, 400);
-                let smallest = extreme(&setup, &areas, true, 400);
+                let [smallest, largest] = extremes(&rig, courant);
                 let bound = scheme.polynomial(courant).bound().expect("a stable scheme");
                 println!(
                     "spectrum, {scheme} at {courant:.4}: {smallest:.2e} to {largest:.4}, bound {bound:.4}"
@@ -116,14 +120,7 @@ fn slanted_walls_of_an_impedance_leave_it_within_four() {
     for scheme in Scheme::ALL {
         for courant in [0.62, 0.31] {
             let rig = crossed_room(scheme, WallModel::CutCells, &lines, &stiff);
-            let grid = Grid {
-                dt_s: courant * DX_M / AIR.c_mps,
-                ..rig.grid()
-            };
-            let setup = FieldSetup::new(&grid, &AIR, scheme, 0, &rig.walls);
-            let areas = rig.walls.areas();
-            let largest = extreme(&setup, &areas, false, 400);
-            let smallest = extreme(&setup, &areas, true, 400);
+            let [smallest, largest] = extremes(&rig, courant);
             println!("spectrum, slanted, {scheme} at {courant}: {smallest:.2e} to {largest:.4}");
             assert!(largest < 4.0, "{scheme}: {largest}");
             assert!(smallest > -1e-5, "{scheme}: {smallest}");

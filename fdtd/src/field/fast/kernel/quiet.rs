@@ -42,7 +42,7 @@ pub(super) unsafe fn cells<V: Vector>(plan: &Plan, levels: Levels, rows: Range<u
 }
 
 /// Sets what is small among `count` numbers to zero, vector by vector: left to itself the compiler stores those numbers of a vector that
-/// change, which costs some processors (Zen 3, without AVX-512) as much as ten steps of the plain stencil.
+/// change, which costs some processors (Zen 3, without AVX-512) as much as one to three steps.
 ///
 /// # Safety
 /// They must be writable.

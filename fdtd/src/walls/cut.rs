@@ -98,7 +98,7 @@ pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
         }
     }
     let loads = open.loads(grid, walls, &soft);
-    let slants = slants(&open, &loads);
+    let slants = slants(&open);
     WallCells::new(solid, partial)
         .with_loads(loads)
         .with_slants(slants)

@@ -57,7 +57,7 @@ pub struct WallCells {
     partial: BTreeMap<usize, Opening>,
     /// Surfaces that are not rigid, in the order of the cells in which they lie.
     loads: Vec<Load>,
-    /// Cells that slanted ones of these walls cut.
+    /// Cells that slanted walls cut.
     slants: Slants,
 }
 
@@ -78,12 +78,12 @@ impl WallCells {
         Self { loads, ..self }
     }
 
-    /// The same with what slanted walls that are not rigid change ([`super::slant`]).
+    /// The same with what slanted walls change ([`super::slant`]).
     pub(super) fn with_slants(self, slants: Slants) -> Self {
         Self { slants, ..self }
     }
 
-    /// What a slanted wall that is not rigid changes in a cell of any place, if it cuts it.
+    /// What a slanted wall changes in a cell of any place, if it cuts it.
     pub(super) fn slant(&self, ix: isize, iy: isize) -> Option<&Slant> {
         (self.solid.index(ix, iy)).and_then(|cell| self.slants.get(&cell))
     }

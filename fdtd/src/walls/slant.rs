@@ -13,14 +13,11 @@
 //! `b (A^2 + B^2) + m (AB + BA)/2 = (b/2 + m/4) (A + B)^2 + (b/2 - m/4) (A - B)^2`, and the last square makes of it a reactance along the wall. In cut
 //! cells it is left out: `(A - B) Q (A - B)` with Q zero there is symmetric still, and between nothing and the whole square, so that the bounds of the
 //! spectrum hold ([`crate::scheme::Polynomial`]).
-//!
-//! Both are for walls of an impedance so far; before rigid ones the operator is as it was.
 
 use std::collections::BTreeMap;
 
 use super::WallCells;
 use super::faces::Openings;
-use super::openings::Load;
 use super::surface::LEAST_SLOPE;
 
 /// A way past a small cell, from its neighbour along x to that along y.
@@ -90,26 +87,31 @@ pub(super) type Slants = BTreeMap<usize, Slant>;
 /// Angle between normal and axis in degrees from which on all of it is done; from where columns of cells end ([`LEAST_SLOPE`]) up to there it comes in gradually.
 const WHOLLY_DEG: f64 = 20.0;
 
-/// How much of it is done for a surface.
-fn share(load: &Load) -> f64 {
+/// How much of it is done for a surface with a normal of any length.
+fn share([x, y]: [f64; 2]) -> f64 {
     let degrees = |cosine: f64| cosine.min(1.0).acos().to_degrees();
     let first = degrees(LEAST_SLOPE);
-    ((degrees(load.nearest_axis().1) - first) / (WHOLLY_DEG - first)).clamp(0.0, 1.0)
+    let angle_deg = degrees(x.abs().max(y.abs()) / x.hypot(y));
+    ((angle_deg - first) / (WHOLLY_DEG - first)).clamp(0.0, 1.0)
 }
 
-/// Of the cells with the surfaces `loads`, those that slanted walls cut.
-pub(super) fn slants(open: &Openings<'_>, loads: &[Load]) -> Slants {
-    let slant = |load: &Load| {
-        let cell = load.cell[1] * open.solid.nx + load.cell[0];
-        let share = share(load);
-        let is_cut = open.areas.get(&cell).is_some_and(|&area| area < 1.0);
-        let bridge = bridge(open, load.cell.map(|at| at as isize)).map(|bridge| Bridge {
+/// Of all cells, those that slanted walls cut.
+pub(super) fn slants(open: &Openings<'_>) -> Slants {
+    let slant = |(&cell, &area): (&usize, &f64)| {
+        let nx = open.solid.nx;
+        let [ix, iy] = [cell % nx, cell / nx].map(|at| at as isize);
+        let normal = open.closed(ix, iy);
+        if area >= 1.0 || normal == [0.0; 2] {
+            return None;
+        }
+        let share = share(normal);
+        let bridge = bridge(open, [ix, iy]).map(|bridge| Bridge {
             weight: share * bridge.weight,
             ..bridge
         });
-        (is_cut && share > 0.0).then_some((cell, Slant { share, bridge }))
+        (share > 0.0).then_some((cell, Slant { share, bridge }))
     };
-    loads.iter().filter_map(slant).collect()
+    open.areas.iter().filter_map(slant).collect()
 }
 
 /// The bridge past a cell of which a wall leaves a triangle.

@@ -138,7 +138,12 @@ proptest! {
             .map(|&powers| branch(powers))
             .collect();
         prop_assume!(!branches.is_empty());
-        let rig = crossed_room(scheme, model, &lines, &Impedance::Branches(branches));
+        let rig = crossed_room(
+            scheme,
+            model,
+            &lines,
+            Some(&Impedance::Branches(branches)),
+        );
         let sums = sums(&rig, [0.14, 0.14], [200, 6000]);
         prop_assert!(sums[1] <= 3.0 * sums[0], "{scheme}, {model}: {sums:?}");
     }

@@ -15,7 +15,7 @@ use fdtd::field::Field;
 use fdtd::scheme::Scheme;
 use fdtd::validation::impedance::{CASES, PLACES, is_held, largest};
 use fdtd::validation::room::slanted_room;
-use fdtd::validation::tilted_impedance::{self, RATIOS, SCHEMES, SLANTS, SLOPES, STRAY, TOLERANCE};
+use fdtd::validation::tilted_impedance::{self, RATIOS, SCHEMES, SLANTS, SLOPES, TOLERANCE};
 use fdtd::walls::{Impedance, WallModel};
 use proptest::prelude::*;
 
@@ -49,7 +49,7 @@ fn the_reflection_factor_is_that_of_the_impedance() {
 }
 
 #[test]
-fn the_echo_of_a_tilted_wall_is_the_stiff_one_times_the_factor() {
+fn the_echo_of_a_tilted_wall_is_the_rigid_one_times_the_factor() {
     for scheme in SCHEMES {
         for (tilt_deg, [allowed, _]) in SLANTS.into_iter().chain(SLOPES) {
             // The other schemes at the worst tilts, the mean at the scenes' scheme; `echolot validate` has them all.
@@ -76,20 +76,6 @@ fn the_echo_of_a_tilted_wall_is_the_stiff_one_times_the_factor() {
                 );
             }
         }
-    }
-}
-
-#[test]
-fn a_stiff_wall_of_45_degrees_echoes_the_same_wherever_it_cuts_the_cells() {
-    let places = &tilted_impedance::PLACES;
-    for scheme in [Scheme::O13, Scheme::D25] {
-        let errors = tilted_impedance::errors(scheme, WallModel::CutCells, 45.0, 1.0, places)
-            .expect("a finite field");
-        println!(
-            "tilted impedance, {scheme}, stiff at 45 degrees: {:.4}",
-            errors.stiff
-        );
-        assert!(errors.stiff < STRAY, "{scheme}: {}", errors.stiff);
     }
 }
 
@@ -121,7 +107,7 @@ fn no_impedance_makes_energy() {
 /// Asserts it for the box of [`crossed_room`].
 fn assert_passive(scheme: Scheme, model: WallModel, lines: &[[f64; 4]], power: f64) {
     let impedance = Impedance::Real(440.0 * 10_f64.powf(power));
-    let rig = crossed_room(scheme, model, lines, &impedance);
+    let rig = crossed_room(scheme, model, lines, Some(&impedance));
     let burst = Burst::from_zero(9e3, 4000.0);
     let mut field = rig.field();
     let sounding = rig.sounding([0.14, 0.14], &|t_s| burst.value(t_s), 200);

@@ -72,19 +72,19 @@ pub(crate) fn assert_foreign(from: &Simulation, to: &mut Simulation) {
     );
 }
 
-/// A closed box of 56 x 56 cells with walls of an impedance, each from `[x0, y0]` by `[x1, y1]` to `[y1, x0]`, in m.
+/// A closed box of 56 x 56 cells with walls that are rigid or of an impedance, each from `[x0, y0]` by `[x1, y1]` to `[y1, x0]`, in m.
 pub(crate) fn crossed_room(
     scheme: Scheme,
     model: WallModel,
     lines: &[[f64; 4]],
-    impedance: &Impedance,
+    impedance: Option<&Impedance>,
 ) -> Rig {
     let mut rig = Rig::open(scheme, 56, 56);
     rig.layer_cells = 0;
     let wall = |&[x0, y0, x1, y1]: &[f64; 4]| Wall {
         points_m: vec![[x0, y0], [x1, y1], [y1, x0]],
         thickness_m: 0.012,
-        impedance: Some(impedance.clone()),
+        impedance: impedance.cloned(),
     };
     let walls: Vec<Wall> = lines.iter().map(wall).collect();
     rig.walls = model.cells(&rig.grid(), &walls);

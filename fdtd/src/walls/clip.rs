@@ -70,6 +70,23 @@ impl Convex {
         if whole { Cover::Whole } else { Cover::Part }
     }
 
+    /// Whether an edge goes through the unit square whose lower left corner is given, and its normal has a cosine to both axes of at most `cosine`.
+    pub(super) fn slants_through(&self, corner: [f64; 2], cosine: f64) -> bool {
+        let is_slanted = |[p, q]: &[[f64; 2]; 2]| {
+            let [x, y] = [0, 1].map(|axis| (q[axis] - p[axis]).abs());
+            x.max(y) <= cosine * x.hypot(y)
+        };
+        self.edges().filter(is_slanted).any(|[p, q]| {
+            // The part of the edge, from 0 to 1, that is between the square's sides along both axes.
+            let [from, to] = (0..2).fold([0.0_f64, 1.0], |[from, to], axis| {
+                let at = |side: f64| (corner[axis] + side - p[axis]) / (q[axis] - p[axis]);
+                let [a, b] = [at(0.0), at(1.0)];
+                [from.max(a.min(b)), to.min(a.max(b))]
+            });
+            to - from > BESIDE
+        })
+    }
+
     /// The interval that the polygon covers of the line on which coordinate `axis` is `at`.
     fn interval(&self, axis: usize, at: f64) -> Option<[f64; 2]> {
         let along = 1 - axis;
@@ -180,5 +197,36 @@ mod tests {
         assert_eq!(low.covers([0.0, -2.0]), Cover::Whole);
         assert_eq!(low.covers([0.0, 0.0]), Cover::Part);
         assert_eq!(low.covers([0.0, 1.0]), Cover::None);
+    }
+
+    #[test]
+    fn only_a_slanted_edge_inside_the_square_slants_through_it() {
+        let roof = Convex::new(vec![
+            [0.0, 0.0],
+            [4.0, 0.0],
+            [4.0, 0.5],
+            [2.0, 2.5],
+            [0.0, 0.5],
+        ]);
+        for (corner, expected) in [
+            // The upright side and the floor only.
+            ([0.0, -0.5], false),
+            // Both slopes of 1 to 1, in their cells and not above or below.
+            ([0.0, 0.0], true),
+            ([1.0, 1.0], true),
+            ([2.0, 1.0], true),
+            ([3.0, 0.0], true),
+            ([0.0, 1.5], false),
+            ([1.5, 0.5], false),
+            ([0.0, 1.0], true),
+            // It touches the corner only.
+            ([0.5, 0.0], false),
+            ([-1.0, 0.5], false),
+            ([0.5, 2.0], false),
+        ] {
+            assert_eq!(roof.slants_through(corner, 0.95), expected, "{corner:?}");
+        }
+        // Slopes of 1 to 1 count as slanted up to the cosine of 45 degrees.
+        assert!(!roof.slants_through([1.0, 1.0], 0.7));
     }
 }

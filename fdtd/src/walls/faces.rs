@@ -67,14 +67,6 @@ impl Openings<'_> {
         face.min(here * there / (here + there))
     }
 
-    /// Length of the surface in a cell times its normal into the wall, by what of the cell's faces is closed.
-    pub(super) fn closed(&self, ix: isize, iy: isize) -> [f64; 2] {
-        [0, 1].map(|axis| {
-            let next = [(ix + 1, iy), (ix, iy + 1)][axis];
-            self.face(axis, ix, iy) - self.face(axis, next.0, next.1)
-        })
-    }
-
     /// The surfaces of the soft cells, which `soft` gives with their walls.
     pub(super) fn loads(
         &self,
@@ -88,16 +80,19 @@ impl Openings<'_> {
                 (cell % self.solid.nx) as isize,
                 (cell / self.solid.nx) as isize,
             );
-            let mut closed = self.closed(ix, iy);
+            // Closed parts, positive where the wall is on the side of higher coordinates: the surface's length times its normal.
+            let mut closed = [0.0_f64; 2];
             for (axis, closed) in closed.iter_mut().enumerate() {
-                let step = if *closed > 0.0 { 1 } else { -1 };
+                let next = [(ix + 1, iy), (ix, iy + 1)][axis];
+                let part = self.face(axis, ix, iy) - self.face(axis, next.0, next.1);
+                let step = if part > 0.0 { 1 } else { -1 };
                 let beyond = [(ix + step, iy), (ix, iy + step)][axis];
                 let rigid = self
                     .solid
                     .index(beyond.0, beyond.1)
                     .is_some_and(|cell| self.solid.cells[cell] && !soft.contains_key(&cell));
-                if rigid {
-                    *closed = 0.0;
+                if !rigid {
+                    *closed = part;
                 }
             }
             let length = closed[0].hypot(closed[1]);

@@ -17,6 +17,7 @@
 use std::collections::BTreeMap;
 
 use super::WallCells;
+use super::clip::Convex;
 use super::faces::Openings;
 use super::surface::LEAST_SLOPE;
 
@@ -64,7 +65,7 @@ impl WallCells {
         let places = (0..width as isize).flat_map(|y| (0..width as isize).map(move |x| [x, y]));
         places
             .filter_map(|[x, y]| {
-                let bridge = self.slant(first[0] + x, first[1] + y)?.bridge?;
+                let bridge = (*self.slant(first[0] + x, first[1] + y)?)?;
                 let ends = bridge.ends([x, y]);
                 Some((ends, bridge.borne(spare, ends.map(area))))
             })
@@ -72,44 +73,17 @@ impl WallCells {
     }
 }
 
-/// What a slanted wall changes in a cell that it cuts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Slant {
-    /// How much of the square of A - B is left out, 0 to 1.
-    pub(super) share: f64,
-    /// The way past the cell, if it is a small one.
-    pub(super) bridge: Option<Bridge>,
-}
+/// The cells that slanted walls cut, by index `iy nx + ix`, with the way past each that is a small one.
+pub(super) type Slants = BTreeMap<usize, Option<Bridge>>;
 
-/// Slants by the cells' index `iy nx + ix`.
-pub(super) type Slants = BTreeMap<usize, Slant>;
-
-/// Angle between normal and axis in degrees from which on all of it is done; from where columns of cells end ([`LEAST_SLOPE`]) up to there it comes in gradually.
-const WHOLLY_DEG: f64 = 20.0;
-
-/// How much of it is done for a surface with a normal of any length.
-fn share([x, y]: [f64; 2]) -> f64 {
-    let degrees = |cosine: f64| cosine.min(1.0).acos().to_degrees();
-    let first = degrees(LEAST_SLOPE);
-    let angle_deg = degrees(x.abs().max(y.abs()) / x.hypot(y));
-    ((angle_deg - first) / (WHOLLY_DEG - first)).clamp(0.0, 1.0)
-}
-
-/// Of all cells, those that slanted walls cut.
+/// Those of the cells.
 pub(super) fn slants(open: &Openings<'_>) -> Slants {
     let slant = |(&cell, &area): (&usize, &f64)| {
-        let nx = open.solid.nx;
-        let [ix, iy] = [cell % nx, cell / nx].map(|at| at as isize);
-        let normal = open.closed(ix, iy);
-        if area >= 1.0 || normal == [0.0; 2] {
-            return None;
-        }
-        let share = share(normal);
-        let bridge = bridge(open, [ix, iy]).map(|bridge| Bridge {
-            weight: share * bridge.weight,
-            ..bridge
-        });
-        (share > 0.0).then_some((cell, Slant { share, bridge }))
+        let [ix, iy] = [cell % open.solid.nx, cell / open.solid.nx];
+        // Less slanted walls are served by columns of cells, whose weights are for the operator as it is.
+        let cuts = |shape: &&Convex| shape.slants_through([ix as f64, iy as f64], LEAST_SLOPE);
+        let is_slanted = area < 1.0 && open.near[&cell].iter().any(cuts);
+        is_slanted.then(|| (cell, bridge(open, [ix as isize, iy as isize])))
     };
     open.areas.iter().filter_map(slant).collect()
 }

@@ -8,6 +8,9 @@ use super::near::{Loads, Near, beside};
 use super::sweep::Sweep;
 use super::vector::Vector;
 
+/// Columns taken together where registers are few: after so many, every running sum is in the register where it was, and none was moved.
+const UNROLLED: usize = 6;
+
 /// The 25-point sweep.
 pub(super) struct D25;
 
@@ -124,6 +127,36 @@ unsafe fn sides<V: Vector, N: Near<V>>(w: &Splat<V>, column: &N, far: isize) -> 
     }
 }
 
+/// The running sums after the column at `at`, and the sum that it completes: that of the column three to the west.
+///
+/// # Safety
+/// As [`Sweep::rows`].
+#[inline(always)]
+unsafe fn passed<V: Vector>(
+    w: &Splat<V>,
+    at: *const f32,
+    target: *const f32,
+    stride: usize,
+    sums: [V; 6],
+) -> ([V; 6], V) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let own = V::load(at);
+        let verticals = verticals(at, stride);
+        let [beside, beyond] = w.d25_sides(own, [verticals[0], verticals[1]]);
+        let past = V::load(target.add(3 * V::LANES));
+        let next = [
+            sums[1].add(beyond),
+            sums[2].add(beside),
+            w.d25_own(own, verticals, sums[3]),
+            sums[4].add(beside),
+            sums[5].add(beyond),
+            w.d25_first(own, past),
+        ];
+        (next, w.d25_last(own, sums[0]))
+    }
+}
+
 /// One row of the centre.
 ///
 /// # Safety
@@ -151,25 +184,28 @@ unsafe fn centre_row<V: Vector>(
             .add(west[0]);
         sums[4] = w.d25_first(here(-2), past(1)).add(west[1]);
         sums[5] = w.d25_first(here(-1), past(2));
-        let end = vectors as isize;
-        for j in 0..end {
-            let at = column(j);
-            let own = V::load(at);
-            let verticals = verticals(at, stride);
-            let [beside, beyond] = w.d25_sides(own, [verticals[0], verticals[1]]);
-            let done = w.d25_last(own, sums[0]);
-            if j >= 3 {
-                done.store(target.offset((j - 3) * V::LANES as isize));
-            }
-            sums = [
-                sums[1].add(beyond),
-                sums[2].add(beside),
-                w.d25_own(own, verticals, sums[3]),
-                sums[4].add(beside),
-                sums[5].add(beyond),
-                w.d25_first(own, past(j + 3)),
-            ];
+        let mut j = 0;
+        while j < vectors.min(3) {
+            let at = j * V::LANES;
+            sums = passed(w, row.add(at), target.add(at), stride, sums).0;
+            j += 1;
         }
+        while !V::MANY && j + UNROLLED <= vectors {
+            for k in j..j + UNROLLED {
+                let at = k * V::LANES;
+                let (next, done) = passed(w, row.add(at), target.add(at), stride, sums);
+                done.store(target.add(at).sub(3 * V::LANES));
+                sums = next;
+            }
+            j += UNROLLED;
+        }
+        for k in j..vectors {
+            let at = k * V::LANES;
+            let (next, done) = passed(w, row.add(at), target.add(at), stride, sums);
+            done.store(target.add(at).sub(3 * V::LANES));
+            sums = next;
+        }
+        let end = vectors as isize;
         let east = sides(w, &Loads::plain(column(end), stride), 2);
         let rest = [
             w.d25_last(here(end), sums[0]),

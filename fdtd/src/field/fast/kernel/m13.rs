@@ -1,9 +1,13 @@
 //! The 13-point scheme's sweep.
 
 use super::super::super::stencil::Splat;
+use super::super::LINE;
 use super::near::Near;
 use super::sweep::Sweep;
 use super::vector::Vector;
+
+/// Vectors of a row taken together: after so many, every cell held is in the register where it was, and none was moved.
+const UNROLLED: usize = 4;
 
 /// The 13-point sweep.
 pub(super) struct M13;
@@ -63,34 +67,86 @@ impl<V: Vector> Sweep<V> for M13 {
             }
             for i in done..rows {
                 let (row, target) = (now.add(i * stride), next.add(i * stride));
-                let mut here: [V; 4] =
-                    std::array::from_fn(|k| V::load(row.sub(2 * V::LANES).add(k * V::LANES)));
-                let mut middle = upright(row, stride);
-                let mut columns = [
-                    w.m13_column(here[1], upright(row.sub(V::LANES), stride)),
-                    w.m13_column(here[2], middle),
-                ];
-                for j in 0..vectors {
+                let mut held = Held::new(w, row, stride);
+                let mut j = 0;
+                while j + UNROLLED <= vectors {
                     let at = row.add(j * V::LANES);
-                    let beyond = V::load(at.add(2 * V::LANES));
-                    let rising = upright(at.add(V::LANES), stride);
-                    let column = w.m13_column(here[3], rising);
-                    let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
                     let target = target.add(j * V::LANES);
-                    w.m13(
-                        here[2],
-                        middle,
-                        [columns[0], column],
-                        [here[0], beyond],
-                        ends,
-                        V::load(target),
-                    )
-                    .store(target);
-                    here = [here[1], here[2], here[3], beyond];
-                    middle = rising;
-                    columns = [columns[1], column];
+                    // What the next row is the first to use.
+                    for k in (0..UNROLLED).step_by(LINE / V::LANES) {
+                        V::fetch(at.wrapping_add(3 * stride + k * V::LANES));
+                        V::fetch(target.wrapping_add(stride + k * V::LANES));
+                    }
+                    for k in 0..UNROLLED {
+                        held.step(w, at.add(k * V::LANES), target.add(k * V::LANES), stride);
+                    }
+                    j += UNROLLED;
+                }
+                for j in j..vectors {
+                    held.step(w, row.add(j * V::LANES), target.add(j * V::LANES), stride);
                 }
             }
+        }
+    }
+}
+
+/// What one row's sweep holds in registers.
+struct Held<V> {
+    /// The row's cells from two columns to the west to one to the east.
+    here: [V; 4],
+    /// The sum of the cells below and above.
+    middle: V,
+    /// What the column to the west and this one give to those beside them.
+    columns: [V; 2],
+}
+
+impl<V: Vector> Held<V> {
+    /// At the first vector of the row at `row`.
+    ///
+    /// # Safety
+    /// As [`Sweep::rows`].
+    #[inline(always)]
+    unsafe fn new(w: &Splat<V>, row: *const f32, stride: usize) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let back = row.sub(2 * V::LANES);
+            let here: [V; 4] = std::array::from_fn(|k| V::load(back.add(k * V::LANES)));
+            let middle = upright(row, stride);
+            let west = upright(row.sub(V::LANES), stride);
+            let columns = [w.m13_column(here[1], west), w.m13_column(here[2], middle)];
+            Self {
+                here,
+                middle,
+                columns,
+            }
+        }
+    }
+
+    /// Advances the vector at `at`, whose past is at `target`, and goes on to the next.
+    ///
+    /// # Safety
+    /// As [`Sweep::rows`].
+    #[inline(always)]
+    unsafe fn step(&mut self, w: &Splat<V>, at: *const f32, target: *mut f32, stride: usize) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let here = self.here;
+            let beyond = V::load(at.add(2 * V::LANES));
+            let rising = upright(at.add(V::LANES), stride);
+            let column = w.m13_column(here[3], rising);
+            let ends = [V::load(at.sub(2 * stride)), V::load(at.add(2 * stride))];
+            w.m13(
+                here[2],
+                self.middle,
+                [self.columns[0], column],
+                [here[0], beyond],
+                ends,
+                V::load(target),
+            )
+            .store(target);
+            self.here = [here[1], here[2], here[3], beyond];
+            self.middle = rising;
+            self.columns = [self.columns[1], column];
         }
     }
 }

@@ -4,12 +4,13 @@
 use super::super::super::stencil::Number;
 use super::super::super::{QUIET_PA, quieten};
 use super::super::layout::{NARROW, WIDE};
+use super::task::Task;
 
 /// A few numbers in registers.
 pub(super) trait Vector: Number {
     /// How many.
     const LANES: usize;
-    /// Whether two rows of the 13-point stencil fit into the registers.
+    /// Whether registers are many: two rows of the 13-point stencil fit into them.
     const MANY: bool;
     /// The vector of eight numbers for the strips, whose layers are a multiple of eight wide.
     type Narrow: Vector;
@@ -28,6 +29,18 @@ pub(super) trait Vector: Number {
     fn moved_up(self, first: f32) -> Self;
     /// Every number moved one place down, `last` after them.
     fn moved_down(self, last: f32) -> Self;
+    /// Asks for the cache line at `at`, wherever that is, before it is used.
+    #[inline(always)]
+    fn fetch(_at: *const f32) {}
+    /// Runs `task`, as a function of its own if the instruction set needs to be named for that.
+    ///
+    /// # Safety
+    /// As [`Task::run`].
+    #[inline(always)]
+    unsafe fn apart<T: Task>(task: T) {
+        // SAFETY: the caller's promise.
+        unsafe { task.run() }
+    }
 }
 
 /// Eight numbers as the target's default instructions hold them.
@@ -115,7 +128,7 @@ pub(super) struct Avx(std::arch::x86_64::__m256);
 mod avx {
     use std::arch::x86_64::*;
 
-    use super::{Avx, NARROW, Number, QUIET_PA, Vector};
+    use super::{Avx, NARROW, Number, QUIET_PA, Task, Vector};
 
     impl Vector for Avx {
         const LANES: usize = NARROW;
@@ -158,6 +171,22 @@ mod avx {
                 let moved = _mm256_permutevar8x32_ps(self.0, from);
                 Self(_mm256_blend_ps::<1>(moved, _mm256_set1_ps(first)))
             }
+        }
+        #[inline(always)]
+        fn fetch(at: *const f32) {
+            // SAFETY: a hint, which no address makes fail.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast()) }
+        }
+        #[inline(always)]
+        unsafe fn apart<T: Task>(task: T) {
+            #[inline(never)]
+            #[target_feature(enable = "avx2,fma")]
+            unsafe fn apart<T: Task>(task: T) {
+                // SAFETY: the caller's promise.
+                unsafe { task.run() }
+            }
+            // SAFETY: the caller's promise.
+            unsafe { apart(task) }
         }
         #[inline(always)]
         fn moved_down(self, last: f32) -> Self {

@@ -26,29 +26,54 @@ pub(super) unsafe fn centre<V: Vector, S: Sweep<V>>(
     let cells = plan.setup.layer.cells();
     let low = rows.start..rows.end.min(cells);
     let high = rows.start.max(plan.setup.ny - cells)..rows.end;
-    let at = |j: usize| plan.layout.centre_at + j * V::LANES;
     // SAFETY: the caller's promise.
     unsafe {
         if !low.is_empty() {
-            for j in vectors.clone() {
-                centre_column::<V, S, false>(plan, shared, levels, weights, at(j), low.clone());
-            }
+            centre_columns::<V, S, false>(plan, shared, levels, weights, vectors.clone(), low);
         }
         if !high.is_empty() {
-            for j in vectors {
-                centre_column::<V, S, true>(plan, shared, levels, weights, at(j), high.clone());
-            }
+            centre_columns::<V, S, true>(plan, shared, levels, weights, vectors, high);
         }
     }
 }
 
-/// The layer along y on side `HIGH` in the column of vectors at `x` of the centre, rows in ascending order: a row's upper slope and face are
+/// The layer along y on side `HIGH` in some columns of vectors of the centre. Where registers are few vectors are short, and two
+/// share a cache line and are taken together.
+///
+/// # Safety
+/// As [`super::run_tile`], for these rows.
+#[inline(always)]
+unsafe fn centre_columns<V: Vector, S: Sweep<V>, const HIGH: bool>(
+    plan: &Plan,
+    shared: Shared,
+    levels: Levels,
+    weights: &Splat<V>,
+    vectors: Range<usize>,
+    rows: Range<usize>,
+) {
+    let at = |j: usize| plan.layout.centre_at + j * V::LANES;
+    let mut j = vectors.start;
+    // SAFETY: the caller's promise.
+    unsafe {
+        while !V::MANY && j + 2 <= vectors.end {
+            let rows = rows.clone();
+            centre_column::<V, S, HIGH, 2>(plan, shared, levels, weights, at(j), rows);
+            j += 2;
+        }
+        for j in j..vectors.end {
+            let rows = rows.clone();
+            centre_column::<V, S, HIGH, 1>(plan, shared, levels, weights, at(j), rows);
+        }
+    }
+}
+
+/// The layer along y on side `HIGH` in the column of `COUNT` vectors at `x` of the centre, rows in ascending order: a row's upper slope and face are
 /// the next row's lower ones.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
 #[inline(always)]
-unsafe fn centre_column<V: Vector, S: Sweep<V>, const HIGH: bool>(
+unsafe fn centre_column<V: Vector, S: Sweep<V>, const HIGH: bool, const COUNT: usize>(
     plan: &Plan,
     shared: Shared,
     levels: Levels,
@@ -64,35 +89,49 @@ unsafe fn centre_column<V: Vector, S: Sweep<V>, const HIGH: bool>(
     // SAFETY: the caller's promise.
     unsafe {
         let at = (rows.start + plan.layout.halo) * stride + x;
-        let (now, mut next) = (levels.now.add(at), levels.next.add(at));
+        let mut next = levels.next.add(at);
         let mut face = first.face.add(x);
         let mut near = Loads {
-            here: now,
+            here: levels.now.add(at),
             ahead: V::LANES,
             stride,
         };
-        let mut here = S::layered(weights, &Turned(&near));
-        let south = S::layered(weights, &Turned(&beside(&near, 0, -1)));
-        let mut lower_slope = here.sub(south);
-        let mut lower = if HIGH {
-            // The row below has left the new memory of the face between.
-            V::load(face.sub(2 * stride))
-        } else {
-            face_memory(V::splat(first.decay[0]), V::load(face), lower_slope)
-        };
+        let zero = V::splat(0.0);
+        let mut here = [zero; COUNT];
+        let mut lower_slope = here;
+        let mut lower = here;
+        for k in 0..COUNT {
+            let near = beside(&near, k as isize, 0);
+            here[k] = S::layered(weights, &Turned(&near));
+            let south = S::layered(weights, &Turned(&beside(&near, 0, -1)));
+            lower_slope[k] = here[k].sub(south);
+            let face = face.add(k * V::LANES);
+            lower[k] = if HIGH {
+                // The row below has left the new memory of the face between.
+                V::load(face.sub(2 * stride))
+            } else {
+                face_memory(V::splat(first.decay[0]), V::load(face), lower_slope[k])
+            };
+        }
         for decay in &plan.row_decay[rows] {
             let decay = decay.unwrap_or_default().map(V::splat);
-            let north = S::layered(weights, &Turned(&beside(&near, 0, 1)));
-            let upper_slope = north.sub(here);
-            let old = V::load(if HIGH { face } else { face.add(2 * stride) });
-            let upper = face_memory(decay[1], old, upper_slope);
-            let cell = face.add(stride);
-            let slopes = [lower_slope, upper_slope];
-            let (zeta, change) = layer_cell(slopes, [lower, upper], decay[2], V::load(cell));
-            (if HIGH { upper } else { lower }).store(face);
-            zeta.store(cell);
-            courant2.mul_add(change, V::load(next)).store(next);
-            (here, lower_slope, lower) = (north, upper_slope, upper);
+            for k in 0..COUNT {
+                let near = beside(&near, k as isize, 0);
+                let face = face.add(k * V::LANES);
+                let next = next.add(k * V::LANES);
+                let north = S::layered(weights, &Turned(&beside(&near, 0, 1)));
+                let upper_slope = north.sub(here[k]);
+                let old = V::load(if HIGH { face } else { face.add(2 * stride) });
+                let upper = face_memory(decay[1], old, upper_slope);
+                let cell = face.add(stride);
+                let slopes = [lower_slope[k], upper_slope];
+                let faces = [lower[k], upper];
+                let (zeta, change) = layer_cell(slopes, faces, decay[2], V::load(cell));
+                (if HIGH { upper } else { lower[k] }).store(face);
+                zeta.store(cell);
+                courant2.mul_add(change, V::load(next)).store(next);
+                (here[k], lower_slope[k], lower[k]) = (north, upper_slope, upper);
+            }
             near.here = near.here.add(stride);
             next = next.add(stride);
             face = face.add(2 * stride);

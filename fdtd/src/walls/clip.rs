@@ -70,13 +70,9 @@ impl Convex {
         if whole { Cover::Whole } else { Cover::Part }
     }
 
-    /// Whether an edge goes through the unit square whose lower left corner is given, and its normal has a cosine to both axes of at most `cosine`.
-    pub(super) fn slants_through(&self, corner: [f64; 2], cosine: f64) -> bool {
-        let is_slanted = |[p, q]: &[[f64; 2]; 2]| {
-            let [x, y] = [0, 1].map(|axis| (q[axis] - p[axis]).abs());
-            x.max(y) <= cosine * x.hypot(y)
-        };
-        self.edges().filter(is_slanted).any(|[p, q]| {
+    /// Of the edges that go through the unit square whose lower left corner is given, the least cosine between normal and nearest axis: how far the most slanted one is from upright.
+    pub(super) fn slant_through(&self, corner: [f64; 2]) -> Option<f64> {
+        let passes = |[p, q]: &[[f64; 2]; 2]| {
             // The part of the edge, from 0 to 1, that is between the square's sides along both axes.
             let [from, to] = (0..2).fold([0.0_f64, 1.0], |[from, to], axis| {
                 let at = |side: f64| (corner[axis] + side - p[axis]) / (q[axis] - p[axis]);
@@ -84,7 +80,12 @@ impl Convex {
                 [from.max(a.min(b)), to.min(a.max(b))]
             });
             to - from > BESIDE
-        })
+        };
+        let cosine = |[p, q]: [[f64; 2]; 2]| {
+            let [x, y] = [0, 1].map(|axis| (q[axis] - p[axis]).abs());
+            x.max(y) / x.hypot(y)
+        };
+        self.edges().filter(passes).map(cosine).reduce(f64::min)
     }
 
     /// The interval that the polygon covers of the line on which coordinate `axis` is `at`.
@@ -200,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_slanted_edge_inside_the_square_slants_through_it() {
+    fn the_edges_through_a_square_are_those_inside_it() {
         let roof = Convex::new(vec![
             [0.0, 0.0],
             [4.0, 0.0],
@@ -208,25 +209,25 @@ mod tests {
             [2.0, 2.5],
             [0.0, 0.5],
         ]);
+        let slope = Some(std::f64::consts::FRAC_1_SQRT_2);
         for (corner, expected) in [
-            // The upright side and the floor only.
-            ([0.0, -0.5], false),
-            // Both slopes of 1 to 1, in their cells and not above or below.
-            ([0.0, 0.0], true),
-            ([1.0, 1.0], true),
-            ([2.0, 1.0], true),
-            ([3.0, 0.0], true),
-            ([0.0, 1.5], false),
-            ([1.5, 0.5], false),
-            ([0.0, 1.0], true),
-            // It touches the corner only.
-            ([0.5, 0.0], false),
-            ([-1.0, 0.5], false),
-            ([0.5, 2.0], false),
+            ([-0.5, -0.5], Some(1.0)),
+            ([0.5, -0.5], Some(1.0)),
+            ([0.0, 0.0], slope),
+            ([1.0, 1.0], slope),
+            ([2.0, 1.0], slope),
+            ([3.0, 0.0], slope),
+            // Inside, outside, at a corner.
+            ([1.5, 0.5], None),
+            ([0.0, 1.6], None),
+            ([0.5, 0.0], None),
         ] {
-            assert_eq!(roof.slants_through(corner, 0.95), expected, "{corner:?}");
+            let found = roof.slant_through(corner);
+            let is_same = match (found, expected) {
+                (Some(a), Some(b)) => (a - b).abs() < 1e-12,
+                (a, b) => a == b,
+            };
+            assert!(is_same, "{corner:?}: {found:?}");
         }
-        // Slopes of 1 to 1 count as slanted up to the cosine of 45 degrees.
-        assert!(!roof.slants_through([1.0, 1.0], 0.7));
     }
 }

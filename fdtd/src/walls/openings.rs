@@ -1,6 +1,6 @@
 //! How much of every cell and of every face between cells is open: what walls are to the field.
 
-use super::slant::{Bridge, Slants};
+use super::slant::{Slant, Slants};
 use super::{Impedance, SolidMask};
 use std::collections::BTreeMap;
 
@@ -83,8 +83,8 @@ impl WallCells {
         Self { slants, ..self }
     }
 
-    /// The way past a cell of any place, if there is one, when a slanted wall cuts the cell.
-    pub(super) fn slant(&self, ix: isize, iy: isize) -> Option<&Option<Bridge>> {
+    /// What a slanted wall changes in a cell of any place, if it cuts it.
+    pub(super) fn slant(&self, ix: isize, iy: isize) -> Option<&Slant> {
         (self.solid.index(ix, iy)).and_then(|cell| self.slants.get(&cell))
     }
 

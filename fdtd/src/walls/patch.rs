@@ -17,8 +17,8 @@ pub(super) struct Patch {
     pub(super) area: Values,
     west: Values,
     south: Values,
-    /// Cells that slanted walls cut, where the square of A - B is left out ([`super::slant`]).
-    slanted: [[bool; WIDTH]; WIDTH],
+    /// How much of the square of A - B slanted walls leave out ([`super::slant`]).
+    slanted: Values,
     /// Pairs of cells `[x, y]` with a way between them, and its weight.
     bridges: Vec<([[usize; 2]; 2], f64)>,
 }
@@ -31,7 +31,7 @@ impl Patch {
             area: full,
             west: full,
             south: full,
-            slanted: [[false; WIDTH]; WIDTH],
+            slanted: [[0.0; WIDTH]; WIDTH],
             bridges: Vec::new(),
         }
     }
@@ -50,7 +50,9 @@ impl Patch {
                 patch.area[y][x] = opening.area;
                 patch.west[y][x] = opening.west;
                 patch.south[y][x] = opening.south;
-                patch.slanted[y][x] = walls.slant(at(x, ix), at(y, iy)).is_some();
+                if let Some(slant) = walls.slant(at(x, ix), at(y, iy)) {
+                    patch.slanted[y][x] = slant.share;
+                }
             }
         }
         let first = [ix, iy].map(|at| at as isize - REACH);
@@ -74,11 +76,11 @@ impl Patch {
         out
     }
 
-    /// `(A - B) (1 - Q) (A - B) u` with 1 - Q the cells that slanted walls cut, from `a = A u` and `b = B u`.
+    /// `(A - B) (1 - Q) (A - B) u` with 1 - Q the shares of [`super::slant`], from `a = A u` and `b = B u`.
     fn left_out(&self, a: &Values, b: &Values) -> Values {
         let mut between = combine(&[(1.0, a), (-1.0, b)]);
         for (value, slanted) in (between.iter_mut().flatten()).zip(self.slanted.iter().flatten()) {
-            *value *= f64::from(u8::from(*slanted));
+            *value *= slanted;
         }
         combine(&[
             (1.0, &self.second_difference(&between, 0)),

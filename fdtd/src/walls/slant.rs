@@ -17,7 +17,6 @@
 use std::collections::BTreeMap;
 
 use super::WallCells;
-use super::clip::Convex;
 use super::faces::Openings;
 use super::surface::LEAST_SLOPE;
 
@@ -65,7 +64,7 @@ impl WallCells {
         let places = (0..width as isize).flat_map(|y| (0..width as isize).map(move |x| [x, y]));
         places
             .filter_map(|[x, y]| {
-                let bridge = (*self.slant(first[0] + x, first[1] + y)?)?;
+                let bridge = self.slant(first[0] + x, first[1] + y)?.bridge?;
                 let ends = bridge.ends([x, y]);
                 Some((ends, bridge.borne(spare, ends.map(area))))
             })
@@ -73,17 +72,40 @@ impl WallCells {
     }
 }
 
-/// The cells that slanted walls cut, by index `iy nx + ix`, with the way past each that is a small one.
-pub(super) type Slants = BTreeMap<usize, Option<Bridge>>;
+/// What a slanted wall changes in a cell that it cuts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Slant {
+    /// How much of the square of A - B is left out, 0 to 1.
+    pub(super) share: f64,
+    /// The way past the cell, if it is a small one.
+    pub(super) bridge: Option<Bridge>,
+}
 
-/// Those of the cells.
+/// Slants by the cells' index `iy nx + ix`.
+pub(super) type Slants = BTreeMap<usize, Slant>;
+
+/// Angle between normal and axis in degrees from which on all of it is done; from where columns of cells end ([`LEAST_SLOPE`]) up to there it comes in gradually.
+const WHOLLY_DEG: f64 = 20.0;
+
+/// How much of it is done where an edge has this cosine between normal and axis.
+fn share(cosine: f64) -> f64 {
+    let degrees = |cosine: f64| cosine.min(1.0).acos().to_degrees();
+    let first = degrees(LEAST_SLOPE);
+    ((degrees(cosine) - first) / (WHOLLY_DEG - first)).clamp(0.0, 1.0)
+}
+
+/// Of all cells, those that slanted walls cut.
 pub(super) fn slants(open: &Openings<'_>) -> Slants {
     let slant = |(&cell, &area): (&usize, &f64)| {
         let [ix, iy] = [cell % open.solid.nx, cell / open.solid.nx];
-        // Less slanted walls are served by columns of cells, whose weights are for the operator as it is.
-        let cuts = |shape: &&Convex| shape.slants_through([ix as f64, iy as f64], LEAST_SLOPE);
-        let is_slanted = area < 1.0 && open.near[&cell].iter().any(cuts);
-        is_slanted.then(|| (cell, bridge(open, [ix as isize, iy as isize])))
+        let shapes = open.near[&cell].iter();
+        let cosines = shapes.filter_map(|shape| shape.slant_through([ix as f64, iy as f64]));
+        let share = share(cosines.reduce(f64::min)?);
+        let bridge = bridge(open, [ix as isize, iy as isize]).map(|bridge| Bridge {
+            weight: share * bridge.weight,
+            ..bridge
+        });
+        (area < 1.0 && share > 0.0).then_some((cell, Slant { share, bridge }))
     };
     open.areas.iter().filter_map(slant).collect()
 }

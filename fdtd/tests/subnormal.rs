@@ -1,9 +1,10 @@
-//! Domain: a source that is switched on in silence. Ahead of the wave front the field falls off faster than any exponential
-//! (after n steps only the tails of n stencils reach there), therefore through all numbers down to zero: without quiet steps a band of subnormal
-//! numbers, which some processors handle slowly, runs ahead of the front and through the layers. Behind it no number is that small again while the
-//! source sounds. Expected: a few per mille to per cent of the cells on the way without quiet steps; with them less than a hundredth of that at any time. Without them too none are left once the front has crossed the
-//! domain and its layers several times, which is why long drives can do without. The signal
-//! differs by rounding: what quiet steps take is far below the last digit of what is heard, but any other digit anywhere in the field makes other roundings later. Tolerance: -110 dB over the first 1200 steps.
+//! Domain: a source that is switched on in silence. Ahead of the wave front the field falls off faster than any exponential (after n steps only the
+//! tails of n stencils reach there), therefore through all numbers down to zero: without quiet steps a band of subnormal numbers, which some
+//! processors handle slowly, runs ahead of the front and through the layers. Behind it no number is that small again while the source sounds.
+//! Expected: a few per mille to per cent of the cells on the way without quiet steps; with them less than a hundredth of that at any time. Without
+//! them too none are left once the front has crossed the domain and its layers several times, which is why long drives can do without. The signal
+//! differs by rounding: what quiet steps take is far below the last digit of what is heard, but any other digit anywhere in the field makes other
+//! roundings later. Tolerance: -110 dB over the first 1200 steps.
 
 use fdtd::field::{FastField, Field, FieldSetup, Injection, StepForcing, is_quiet};
 use fdtd::grid::{Grid, Medium};

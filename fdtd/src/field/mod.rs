@@ -5,12 +5,12 @@
 //! 1. the plain stencil of the scheme, 2. the layer along y, 3. the layers along x, 4. the corrections and surfaces at walls,
 //! 5. zero in solid cells, 6. the source's injections, 7. the receiver reads.
 //!
-//! *Subnormal numbers.* Ahead of the first wave front the field falls off through all magnitudes to zero. Some processors take a hundred cycles
-//! for every operation on a number below the normal range, which made the first thousands of steps there ten times as slow as all others. A step that is
+//! *Subnormal numbers.* Ahead of the first wave front the field falls off through all magnitudes to zero. Some processors take a hundred cycles for
+//! every operation on a number below the normal range, which made the first thousands of steps there ten times as slow as all others. A step that is
 //! [`StepForcing::quiet`] therefore sets to zero what is below [`QUIET_PA`]: in the layers' memory before 2, in the pressure after 3, and once more
-//! after 4 in the cells that 4 changed and in the surfaces' memory; [`is_quiet`] says when that must be. It is part of the step, not of an engine or a processor's mode. What is taken is far below the last digit of anything
-//! that is heard; other roundings follow all the same, 120 dB below the signal. Long drives, to which the start is nothing, go without
-//! ([`crate::simulation`]).
+//! after 4 in the cells that 4 changed and in the surfaces' memory; [`is_quiet`] says when that must be. It is part of the step, not of an engine or
+//! a processor's mode. What is taken is far below the last digit of anything that is heard; other roundings follow all the same, 120 dB below the
+//! signal. Long drives, to which the start is nothing, go without ([`crate::simulation`]).
 //!
 //! [`ReferenceField`] does this row by row in plain order and is the oracle of [`FastField`], which advances several
 //! steps at once in cache (see [`fast`]).
@@ -109,9 +109,9 @@ pub struct Injection {
 /// Pressure that a quiet step takes for zero, in Pa: 400 dB below one.
 pub const QUIET_PA: f32 = 1e-20;
 
-/// Whether step `step` of a run should be quiet. Two steps in a row are, for a step takes two levels and sets only the newest to zero; then none until
-/// the front, which runs ahead with the stencil's outermost weights (0.3, -0.02, 0.004 on the papers' grid), or the layers' memory, which keeps a tenth from step
-/// to step, comes near to 1e-38, where the normal range of `f32` ends.
+/// Whether step `step` of a run should be quiet. Two steps in a row are, for a step takes two levels and sets only the newest to zero; then none
+/// until the front, which runs ahead with the stencil's outermost weights (0.3, -0.02, 0.004 on the papers' grid), or the layers' memory, which keeps
+/// a tenth from step to step, comes near to 1e-38, where the normal range of `f32` ends.
 pub fn is_quiet(scheme: Scheme, step: u64) -> bool {
     let period = match scheme {
         Scheme::Slf => 16,

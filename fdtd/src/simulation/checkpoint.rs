@@ -1,8 +1,8 @@
 //! Checkpoints: the state of a run on disk.
 //!
-//! A line of text that says what run it is, then the lengths of six arrays as little-endian `u64`, then the arrays as
-//! little-endian `f32`: what was heard (after every step, warm-ups included, so that its length tells the piece), pressure, previous pressure, layer memory along x and y,
-//! what walls that are not rigid remember; then a digest of all.
+//! A line of text that says what run it is, then the lengths of six arrays as little-endian `u64`, then the arrays as little-endian `f32`: what was
+//! heard (after every step, warm-ups included, so that its length tells the piece), pressure, previous pressure, layer memory along x and y, what
+//! walls that are not rigid remember; then a digest of all.
 
 use std::io::Write;
 use std::path::Path;

@@ -9,7 +9,8 @@
 //!
 //! Layout, energy: a closed polygon of whole cells with slanted sides and a screen in it, and a box turned by 12 degrees in cut cells with a slanted
 //! screen, 160 x 160 cells; a broad burst, then 20 000 steps without a source.
-//! Formula: the leapfrog's invariant `|p' - p|^2 / 2 - <p', L p> / 2` in the inner product of the open areas, with `L p = p' - 2 p + p''` from three successive fields.
+//! Formula: the leapfrog's invariant `|p' - p|^2 / 2 - <p', L p> / 2` in the inner product of the open areas, with `L p = p' - 2 p + p''` from three
+//! successive fields.
 //! Bias: none; the operator is symmetric.
 //! Tolerance: 1e-4 of the energy over the run. A wall that is not symmetric would blow up or decay within some hundred steps.
 //!

@@ -1,17 +1,18 @@
 //! Echoes of walls of an impedance that lie across the grid.
 //!
-//! Layout: as the echo of [`super::tilted`]: a wall of 1.6 m, tilted by 3 to 45 degrees and moved through the cells in six steps of a sixth of a cell along the
-//! grid's axis; source and microphone 0.4 m in front of it, on one line across it or 0.8 m apart along it, so that the wave comes in at 45 degrees. A run without the
-//! wall is subtracted, and the spectral line at 10 kHz divided by that of the same wall when it is rigid.
+//! Layout: as the echo of [`super::tilted`]: a wall of 1.6 m, tilted by 3 to 45 degrees and moved through the cells in six steps of a sixth of a cell
+//! along the grid's axis; source and microphone 0.4 m in front of it, on one line across it or 0.8 m apart along it, so that the wave comes in at 45
+//! degrees. A run without the wall is subtracted, and the spectral line at 10 kHz divided by that of the same wall when it is rigid.
 //! Formula: `R = (Z cos - rho c)/(Z cos + rho c)` and, for a line source at a distance r behind the image, `R + i R''/(2 k r)` (the next term
 //! of the stationary phase; the second derivative is that by the angle).
 //!
-//! Where the wall lies in the cells changes along a slanted wall, and what changes is a grating: it sends a part of the wave in directions of its own, of which some
-//! comes back to the microphone from another part of the wall (at 10 degrees from where it is met at 36). That is not the reflection factor, which belongs to
-//! the mirror's direction. The mirrored part is the one that does not turn with the grating: when the wall moves by a part of a cell, the grating's orders turn by so many
-//! parts of a circle, and the mean over six places leaves them out up to the fifth. So walls whose cells repeat after many cells only ([`SLANTS`]) are held to
-//! the mean, and with wider limits in each single place, where the grating's part is in. Along walls of a simple slope ([`SLOPES`]) all pieces lie
-//! in one of few places, each place is a wall of its own, and the largest error of all is held.
+//! Where the wall lies in the cells changes along a slanted wall, and what changes is a grating: it sends a part of the wave in directions of its
+//! own, of which some comes back to the microphone from another part of the wall (at 10 degrees from where it is met at 36). That is not the
+//! reflection factor, which belongs to the mirror's direction. The mirrored part is the one that does not turn with the grating: when the wall moves
+//! by a part of a cell, the grating's orders turn by so many parts of a circle, and the mean over six places leaves them out up to the fifth. So
+//! walls whose cells repeat after many cells only ([`SLANTS`]) are held to the mean, and with wider limits in each single place, where the grating's
+//! part is in. Along walls of a simple slope ([`SLOPES`]) all pieces lie in one of few places, each place is a wall of its own, and the largest error
+//! of all is held.
 //! Bias: what the ends diffract comes 2 ms later, when the burst is over.
 //! The rigid wall's own error is in both and not counted. Its echo should be the same in all places, and is held to that along walls of a simple slope, where
 //! it would change by 0.13 (slope 1 to 1, met at 45 degrees) without what `walls/slant.rs` does.

@@ -1,13 +1,15 @@
 //! Impedances by branches of resistance, inertance and compliance, in steps.
 //!
-//! A branch k has a velocity u (times `rho c`, in Pa) half a step before and after the pressure P at the surface, and a displacement `Q+ = Q + u+` (in steps)
-//! at the times of P. With `r = R/(rho c)`, `l = L/(rho c dt)`, `sigma = s dt/(rho c)` and the mean of three displacements, `(Q+ + 2 Q + Q-)/4 = Q + (u+ - u-)/4`,
+//! A branch k has a velocity u (times `rho c`, in Pa) half a step before and after the pressure P at the surface, and a displacement `Q+ = Q + u+`
+//! (in steps) at the times of P. With `r = R/(rho c)`, `l = L/(rho c dt)`, `sigma = s dt/(rho c)` and the mean of three displacements,
+//! `(Q+ + 2 Q + Q-)/4 = Q + (u+ - u-)/4`,
 //!
 //! `(l + sigma/4)(u+ - u-) + r (u+ + u-)/2 + sigma Q = P`, or, with `beta = 1/(l + sigma/4 + r/2)`, `u+ - u- = beta (P - r u- - sigma Q)`.
 //!
-//! That is the branch's impedance with `(2/dt) tan(omega dt/2)` in place of omega, times `cos(omega dt/2)`, which the weights before the surface make up
-//! for ([`super::aperture`]): positive for every r, l and sigma of 0 or more, so that the surface is passive with the mass of air that it has anyway
-//! ([`super::surface`]). All branches share this mass M, `P = T - M sum (u+ - u-)` with the sampled pressure T, and what they take together is known before each by itself:
+//! That is the branch's impedance with `(2/dt) tan(omega dt/2)` in place of omega, times `cos(omega dt/2)`, which the weights before the surface make
+//! up for ([`super::aperture`]): positive for every r, l and sigma of 0 or more, so that the surface is passive with the mass of air that it has
+//! anyway ([`super::surface`]). All branches share this mass M, `P = T - M sum (u+ - u-)` with the sampled pressure T, and what they take together is
+//! known before each by itself:
 //!
 //! `u+ - u- = beta/(1 + M sum beta) (T + M sum e) - e`, with `e = beta (r u- + sigma Q)` of each branch.
 //!

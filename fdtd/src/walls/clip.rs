@@ -70,7 +70,8 @@ impl Convex {
         if whole { Cover::Whole } else { Cover::Part }
     }
 
-    /// Of the edges that go through the unit square whose lower left corner is given, the least cosine between normal and nearest axis: how far the most slanted one is from upright.
+    /// Of the edges that go through the unit square whose lower left corner is given, the least cosine between normal and nearest axis: how far the
+    /// most slanted one is from upright.
     pub(super) fn slant_through(&self, corner: [f64; 2]) -> Option<f64> {
         let passes = |[p, q]: &[[f64; 2]; 2]| {
             // The part of the edge, from 0 to 1, that is between the square's sides along both axes.

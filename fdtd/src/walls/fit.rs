@@ -1,14 +1,15 @@
 //! Which inertances and stiffnesses make the walls of branches that are asked for.
 //!
-//! *The step* has a tangent in place of its phase ([`super::branches`]), which makes l too large and sigma too small by a third of `(omega dt/2)^2`, 2.3 % at 10 kHz on the papers'
-//! grid: by Foster's theorem no passive reactance in its place follows omega itself. *The surface* has a conductance y and a reactance X that are nearly 1 and 0
-//! ([`super::aperture`]); where a wall is a reactance itself, what is left of both adds to the step's error instead of standing across it. So l and sigma of all
-//! branches are changed by a few percent. The reflection factor is then off, in first order, by
+//! *The step* has a tangent in place of its phase ([`super::branches`]), which makes l too large and sigma too small by a third of `(omega dt/2)^2`,
+//! 2.3 % at 10 kHz on the papers' grid: by Foster's theorem no passive reactance in its place follows omega itself. *The surface* has a conductance y
+//! and a reactance X that are nearly 1 and 0 ([`super::aperture`]); where a wall is a reactance itself, what is left of both adds to the step's error
+//! instead of standing across it. So l and sigma of all branches are changed by a few percent. The reflection factor is then off, in first order, by
 //!
 //! `2 [cos sum_k (z/z_k)^2 dz_k + i X - z cos (y - 1)]/(z cos + 1)^2`
 //!
-//! with the changes `dz_k` of the branches: linear in what is looked for. The sum of its eighth powers is made least, as the surface's own weights are found, over angles and
-//! octaves of frequency up to the edge of the aperture's band: nearly the largest error, so that at finer steps, where a branch matters at small
+//! with the changes `dz_k` of the branches: linear in what is looked for. The sum of its eighth powers is made least, as the surface's own weights
+//! are found, over angles and octaves of frequency up to the edge of the aperture's band: nearly the largest error, so that at finer steps, where a
+//! branch matters at small
 //! `omega dt` only, all factors go to 1.
 
 use super::aperture::COSINES;
@@ -211,7 +212,8 @@ mod tests {
     const AIR_PASM: f64 = 1.293 * 340.0;
     const DT_S: f64 = 1.0 / 120_000.0;
 
-    /// Error of the reflection factor at a frequency and a cosine of the angle before a surface that leaves `[1 - y, X]`, by the formula of [`crate::walls::aperture`].
+    /// Error of the reflection factor at a frequency and a cosine of the angle before a surface that leaves `[1 - y, X]`, by the formula of
+    /// [`crate::walls::aperture`].
     fn error(wall: &Impedance, reduced: &[Reduced], hz: f64, cos: f64, off: [f64; 2]) -> f64 {
         let taken: Complex<f64> = reduced
             .iter()

@@ -1,16 +1,16 @@
 //! Which cells before a slanted wall of an impedance take part in its reaction, and how much.
 //!
-//! A piece of surface samples the pressure in the cells of a box of three by three before its middle, and takes its flow from the same cells with the same weights, as
-//! walls along the axes do ([`super::aperture`]). In front of a rigid wall a plane wave is `cos(k d) exp(i h t)`, with the distance d from the
-//! wall, the place t along it, and the wave numbers k and h of the lattice. The weights are those that make of it, by least squares over
+//! A piece of surface samples the pressure in the cells of a box of three by three before its middle, and takes its flow from the same cells with the
+//! same weights, as walls along the axes do ([`super::aperture`]). In front of a rigid wall a plane wave is `cos(k d) exp(i h t)`, with the distance
+//! d from the wall, the place t along it, and the wave numbers k and h of the lattice. The weights are those that make of it, by least squares over
 //! waves of all angles up to 11 kHz on the papers' grid, what the exact factor asks for at the surface's middle:
 //!
 //! `c sqrt(v/(chi cos(angle)))`, `c = cos(omega dt/2)`, v the lattice's group velocity along the normal in cells per step.
 //!
-//! c is for the velocity, a mean of two half steps, the root for a flow that the lattice carries away with another velocity than the air. A part
-//! that grows with distance ([`Fit`]) keeps the weights small and near the wall: so the mass of air before the surface is the same at all
-//! frequencies, and nearly so at all angles ([`super::inertance`]). Its numbers keep the error of the reflection factor small over angle and impedance at 10 kHz on the
-//! papers' grid, met at 0 and at 45 degrees, by [`crate::validation::tilted_impedance`].
+//! c is for the velocity, a mean of two half steps, the root for a flow that the lattice carries away with another velocity than the air. A part that
+//! grows with distance ([`Fit`]) keeps the weights small and near the wall: so the mass of air before the surface is the same at all frequencies, and
+//! nearly so at all angles ([`super::inertance`]). Its numbers keep the error of the reflection factor small over angle and impedance at 10 kHz on
+//! the papers' grid, met at 0 and at 45 degrees, by [`crate::validation::tilted_impedance`].
 
 use super::WallCells;
 use super::aperture::{BAND_EDGE, COSINES};

@@ -1,10 +1,11 @@
 //! The mass of air before a piece of a slanted surface.
 //!
-//! A flow that is the same along the whole wall must meet the air that is there, and no reactance from the way the surface takes part in the grid. Let the pressure
-//! rise by one per cell width from the wall on, as it does before a soft wall at low frequencies. A surface is to take the velocity that this slope gives the air
-//! at its place, so its mass in cell widths is what it samples of that pressure, `f.p`. The pressure in the cells is not quite that: the surfaces take their
-//! flow from cells some way before the wall. It is worked out in a window around each piece with the field's own operator: all pieces in it take their share of
-//! the flow, and on its rim, where the surface is far enough away (what it does falls by four from cell to cell), the pressure is the distance from the wall.
+//! A flow that is the same along the whole wall must meet the air that is there, and no reactance from the way the surface takes part in the grid.
+//! Let the pressure rise by one per cell width from the wall on, as it does before a soft wall at low frequencies. A surface is to take the velocity
+//! that this slope gives the air at its place, so its mass in cell widths is what it samples of that pressure, `f.p`. The pressure in the cells is
+//! not quite that: the surfaces take their flow from cells some way before the wall. It is worked out in a window around each piece with the field's
+//! own operator: all pieces in it take their share of the flow, and on its rim, where the surface is far enough away (what it does falls by four from
+//! cell to cell), the pressure is the distance from the wall.
 //!
 //! What that leaves out, the frequency and the angle, is made up for by [`CHANGES`].
 
@@ -26,12 +27,13 @@ const ROUNDS: usize = 40;
 /// A row of the operator over the Courant number squared: offsets along x and y, and weights.
 pub(super) type Row = Vec<([isize; 2], f64)>;
 
-/// What is added to the masses in cell widths, by the angle between normal and axis in degrees: from errors of the reflection factor at 10 kHz with m13, o13 and d25, met
-/// at 0 and at 45 degrees ([`crate::validation::tilted_impedance`]). Up to the first angle and from the second on it is the same.
+/// What is added to the masses in cell widths, by the angle between normal and axis in degrees: from errors of the reflection factor at 10 kHz with
+/// m13, o13 and d25, met at 0 and at 45 degrees ([`crate::validation::tilted_impedance`]). Up to the first angle and from the second on it is the
+/// same.
 const CHANGES: [(f64, f64); 2] = [(20.0, 0.013), (45.0, -0.0095)];
 
-/// Masses in cell widths of pieces of plane walls lie well within. Where other walls are near, the pressure may be anything (in a pocket that is cut off from the rim nothing
-/// determines it), and the mass stays within.
+/// Masses in cell widths of pieces of plane walls lie well within. Where other walls are near, the pressure may be anything (in a pocket that is cut
+/// off from the rim nothing determines it), and the mass stays within.
 const RANGE: [f64; 2] = [0.1, 0.8];
 
 /// The change for a surface.
@@ -41,7 +43,8 @@ fn change(load: &Load) -> f64 {
     from + ((angle_deg - first) / (last - first)).clamp(0.0, 1.0) * (to - from)
 }
 
-/// Masses in cell widths of the `pieces` of surface before which boxes of cells take part, with their places in the list, on the field whose operator has `rows`.
+/// Masses in cell widths of the `pieces` of surface before which boxes of cells take part, with their places in the list, on the field whose operator
+/// has `rows`.
 pub(super) fn slanted_masses(
     walls: &WallCells,
     rows: &dyn Fn([usize; 2]) -> Row,

@@ -24,7 +24,8 @@ pub(super) fn solve(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     found
 }
 
-/// Solution u of `form(u) = load` by conjugate gradients from zero, with `own` (the form's diagonal, 0 where there is no air) as a guess of the form. It ends after
+/// Solution u of `form(u) = load` by conjugate gradients from zero, with `own` (the form's diagonal, 0 where there is no air) as a guess of the form.
+/// It ends after
 /// `rounds`, or when nothing is left to do; a form that does not determine the solution gives any.
 pub(super) fn conjugate_gradients(
     form: impl Fn(&[f64]) -> Vec<f64>,

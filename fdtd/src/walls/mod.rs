@@ -5,8 +5,10 @@
 //! * `cut` (with `clip`): cells that keep the part that walls leave open;
 //! * `faces`: weights of faces, and where walls of an impedance have their surface;
 //! * `openings`: what all of it gives to the field; [`operator`] (with `patch`): the field's rows near walls;
-//! * `impedance`: what the surface of a wall may be; `branches`: one of resistances, inertances and compliances, in steps; `fit` (with `linear`): which of these;
-//! * `surface`: what surfaces of an impedance do to the field; `aperture` (with `half_line`) and `footprint`: through which cells, before walls along the axes and others;
+//! * `impedance`: what the surface of a wall may be; `branches`: one of resistances, inertances and compliances, in steps; `fit` (with `linear`):
+//!   which of these;
+//! * `surface`: what surfaces of an impedance do to the field; `aperture` (with `half_line`) and `footprint`: through which cells, before walls along
+//!   the axes and others;
 //!   `inertance`, `spring`: with how much mass; `slant`: what the operator does differently in cells that slanted ones cut.
 
 mod aperture;

@@ -69,8 +69,8 @@ impl WallOperator {
         operator
     }
 
-    /// With the surfaces of `walls` that are not rigid, for a scheme with `weights` and stencil `radius`, the Courant number of `polynomial`, steps of `dt_s` and the characteristic
-    /// impedance `rho c` of the air in Pa s/m.
+    /// With the surfaces of `walls` that are not rigid, for a scheme with `weights` and stencil `radius`, the Courant number of `polynomial`, steps
+    /// of `dt_s` and the characteristic impedance `rho c` of the air in Pa s/m.
     #[must_use]
     pub fn with_surfaces(
         mut self,

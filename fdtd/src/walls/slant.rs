@@ -1,12 +1,13 @@
 //! What keeps waves along a slanted wall right, wherever it cuts the cells.
 //!
-//! Two things give waves before a rigid wall of 45 degrees another phase from place to place: by 0.2 (m13, o13, d25) where it is met at 45 degrees at 10 kHz on the papers'
-//! grid, by 0.4 at 60. With both mended 0.018 and 0.035 are left (d25, whose cubes stay as they are, 0.05 and 0.1), by an analysis of the step along such a wall.
+//! Two things give waves before a rigid wall of 45 degrees another phase from place to place: by 0.2 (m13, o13, d25) where it is met at 45 degrees at
+//! 10 kHz on the papers' grid, by 0.4 at 60. With both mended 0.018 and 0.035 are left (d25, whose cubes stay as they are, 0.05 and 0.1), by an
+//! analysis of the step along such a wall.
 //!
 //! *Small cells are short of faces.* A corner that a wall cuts off has one face along x and one along y, and less of each than is open, for the
-//! spectrum's sake ([`super::cut`]). That takes from the flow towards the wall, which the wall stops anyway, but from that along the wall
-//! too, which comes in by one face and goes out by the other. A [`Bridge`] between the two cells beside gives back what is missing: two faces in a row of weights
-//! a and b pass `a b/(a + b)`.
+//! spectrum's sake ([`super::cut`]). That takes from the flow towards the wall, which the wall stops anyway, but from that along the wall too, which
+//! comes in by one face and goes out by the other. A [`Bridge`] between the two cells beside gives back what is missing: two faces in a row of
+//! weights a and b pass `a b/(a + b)`.
 //!
 //! *A and B are large where only their sum is small.* Before a slanted wall the pressure changes along both axes, though not along the normal, and in a cut
 //! cell A and B each see the wall as the end of that change: they grow as the cells shrink. The wide schemes have
@@ -35,8 +36,8 @@ impl Bridge {
         [[x + self.sides[0], y], [x, y + self.sides[1]]]
     }
 
-    /// The weight that the step bears. A bridge adds at most twice its weight in each of its cells, and a cell has two along a wall and four at most. So they stay within
-    /// half of what the bound leaves of 4 ([`crate::scheme::Polynomial::spare`]) along a wall, and within all of it anywhere.
+    /// The weight that the step bears. A bridge adds at most twice its weight in each of its cells, and a cell has two along a wall and four at most.
+    /// So they stay within half of what the bound leaves of 4 ([`crate::scheme::Polynomial::spare`]) along a wall, and within all of it anywhere.
     fn borne(&self, spare: f64, areas: [f64; 2]) -> f64 {
         self.weight.min(spare * areas[0].min(areas[1]) / 8.0)
     }
@@ -49,8 +50,8 @@ pub(super) fn place_in([x, y]: [isize; 2], width: usize) -> Option<[usize; 2]> {
 }
 
 impl WallCells {
-    /// Bridges past the cells of a window that begins at `first`, `width` cells along a side: places of their ends in the window, where they may lie just outside, and
-    /// weights that a step bears whose bound leaves `spare`.
+    /// Bridges past the cells of a window that begins at `first`, `width` cells along a side: places of their ends in the window, where they may lie
+    /// just outside, and weights that a step bears whose bound leaves `spare`.
     pub(super) fn bridges(
         &self,
         first: [isize; 2],
@@ -84,7 +85,8 @@ pub(super) struct Slant {
 /// Slants by the cells' index `iy nx + ix`.
 pub(super) type Slants = BTreeMap<usize, Slant>;
 
-/// Angle between normal and axis in degrees from which on all of it is done; from where columns of cells end ([`LEAST_SLOPE`]) up to there it comes in gradually.
+/// Angle between normal and axis in degrees from which on all of it is done; from where columns of cells end ([`LEAST_SLOPE`]) up to there it comes
+/// in gradually.
 const WHOLLY_DEG: f64 = 20.0;
 
 /// How much of it is done where an edge has this cosine between normal and axis.

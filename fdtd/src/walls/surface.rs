@@ -6,8 +6,8 @@
 //!
 //! `(m/chi)(v+ - v-) + z (v+ + v-)/2 = f.p`, and every cell's pressure loses `chi l f_i/V_i (v+ - v-)`.
 //!
-//! Where z is made of branches ([`super::branches`]) it stands for a function of `t = (zeta - 1)/(zeta + 1)` for what goes with `zeta^n`: `r + 2 l t + sigma/(2 t)` of each,
-//! in parallel. `i omega dt` is `2 t`, nearly.
+//! Where z is made of branches ([`super::branches`]) it stands for a function of `t = (zeta - 1)/(zeta + 1)` for what goes with `zeta^n`:
+//! `r + 2 l t + sigma/(2 t)` of each, in parallel. `i omega dt` is `2 t`, nearly.
 //!
 //! *Passive for every Z.* Let a mode grow, |zeta| > 1: the real part of t is then positive, and so is, or is 0, that of z and of 1/z. The field's
 //! equation times the mode's conjugate, in the inner product of the areas V, with s > 0 of the operator and `k = chi l |f.p|^2`, `M = m/chi` for each surface
@@ -15,9 +15,10 @@
 //!
 //! `t (4 - s - sum k/M) + s/t + sum k [1/(2 M^2/z + M/t) + 2/(2 M t + z)] = 0`.
 //!
-//! The brackets are sums of inverses of what has positive real parts, and have them too. So has all of the rest while `s + sum k/M <= 4`: then no mode grows. Branches ask for
-//! no other mass than a real impedance does. What the operator leaves of 4 is known as a form whatever the walls' shape ([`Polynomial::slack`]), and [`super::spring`] gives each surface the mass that keeps the sum within it: slanted, at
-//! corners and ends, face to face.
+//! The brackets are sums of inverses of what has positive real parts, and have them too. So has all of the rest while `s + sum k/M <= 4`: then no
+//! mode grows. Branches ask for no other mass than a real impedance does. What the operator leaves of 4 is known as a form whatever the walls' shape
+//! ([`Polynomial::slack`]), and [`super::spring`] gives each surface the mass that keeps the sum within it: slanted, at corners and ends, face to
+//! face.
 
 use super::WallCells;
 use super::aperture::{Aperture, Apertures};

@@ -6,8 +6,8 @@
 //! Formula: the energy of the field, of the air before the surfaces and of the branches never grows.
 //! Bias: the sum of squares is not the energy, which goes back and forth between the field and masses and springs in the walls. Slow ones give back what
 //! they got when all else has died away.
-//! Tolerance: the largest sum of squares in 330 steps after 3000 is at most 1.5 times that during the burst; between any walls, where few modes beat, three times
-//! after 6000 steps (1.53 in 1200 boxes). What makes energy overflows.
+//! Tolerance: the largest sum of squares in 330 steps after 3000 is at most 1.5 times that during the burst; between any walls, where few modes beat,
+//! three times after 6000 steps (1.53 in 1200 boxes). What makes energy overflows.
 //!
 //! A branch with nothing but a resistance is the same wall as one of that impedance, number by number.
 

@@ -3,7 +3,8 @@
 //! Layout: 160 x 160 cells with a layer of 20, in the middle a slanted box in cut cells whose gaps let sound out; noise of 1 Pa in the middle, then silence.
 //! Formula: nothing brings energy in, so that the sum of squares falls; the step's bound ([`fdtd::scheme::Polynomial::bound`]) knows nothing of layers.
 //! Bias: what lies far below the band is absorbed slowly.
-//! Tolerance: after 8000 steps less than a hundredth of the sum of squares after 200 is left, after 16 000 less than after 8000. What makes energy overflows long before.
+//! Tolerance: after 8000 steps less than a hundredth of the sum of squares after 200 is left, after 16 000 less than after 8000. What makes energy
+//! overflows long before.
 
 use crate::rig::{AIR, DX_M};
 use fdtd::field::{FastField, Field, FieldSetup, FieldState, Injection, StepForcing, is_quiet};

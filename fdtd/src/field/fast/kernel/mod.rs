@@ -5,7 +5,7 @@
 //! * `layers`: the strips beside the centre with the absorbing layers along x; `along_y`: those along y; `near`: what they see of a cell's neighbourhood;
 //! * `quiet`: small numbers set to zero;
 //! * `halo`: the cells that rows hold twice;
-//! * `instructions`: which instruction sets there are; `vector`: eight or sixteen numbers of one; `task`: loops as functions of their own.
+//! * `instructions`: which instruction sets there are; `vector`: eight or sixteen numbers of one.
 //!
 //! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same
 //! time, which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said
@@ -27,11 +27,9 @@ mod near;
 mod quiet;
 mod slf;
 mod sweep;
-mod task;
 mod vector;
 mod walls;
 
-use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use self::instructions::InstructionSet;
@@ -41,7 +39,7 @@ pub(in crate::field) use self::instructions::{with_avx2, with_avx512};
 use self::d25::D25;
 use self::m13::M13;
 use self::slf::Slf;
-use self::sweep::{Rows, Sweep};
+use self::sweep::Sweep;
 #[cfg(target_arch = "x86_64")]
 use self::vector::{Avx, Avx512};
 use self::vector::{Plain, Vector};
@@ -272,15 +270,14 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
         for first in (0..layout.centre).step_by(chunk) {
             let from = start + first * V::LANES;
             let vectors = chunk.min(layout.centre - first);
-            task::run::<V, _>(Rows::<V, S> {
+            V::sweep::<S>(
                 weights,
-                now: levels.now.add(from),
-                next: levels.next.add(from),
+                levels.now.add(from),
+                levels.next.add(from),
                 stride,
                 vectors,
-                rows: rows.len(),
-                sweep: PhantomData,
-            });
+                rows.len(),
+            );
             let vectors = first..first + vectors;
             along_y::centre::<V, S>(plan, shared, levels, weights, vectors, rows.clone());
         }

@@ -1,10 +1,7 @@
 //! What a scheme's sweep is to the wavefront.
 
-use std::marker::PhantomData;
-
 use super::super::super::stencil::Splat;
 use super::near::Near;
-use super::task::Task;
 use super::vector::Vector;
 
 /// A scheme's sweep.
@@ -40,26 +37,4 @@ pub(super) trait Sweep<V: Vector> {
     /// # Safety
     /// As many rows and cells beyond these as the stencil reaches but one must be readable.
     unsafe fn layered<N: Near<V>>(weights: &Splat<V>, near: &N) -> V;
-}
-
-/// [`Sweep::rows`] as a task.
-pub(super) struct Rows<'a, V, S> {
-    pub(super) weights: &'a Splat<V>,
-    pub(super) now: *const f32,
-    pub(super) next: *mut f32,
-    pub(super) stride: usize,
-    pub(super) vectors: usize,
-    pub(super) rows: usize,
-    pub(super) sweep: PhantomData<S>,
-}
-
-impl<V: Vector, S: Sweep<V>> Task for Rows<'_, V, S> {
-    #[inline(always)]
-    unsafe fn run(self) {
-        // A copy, which no store can change: the compiler would load the weights again after each.
-        let weights = *self.weights;
-        let (now, next) = (self.now, self.next);
-        // SAFETY: the maker's promise.
-        unsafe { S::rows(&weights, now, next, self.stride, self.vectors, self.rows) }
-    }
 }

@@ -1,10 +1,10 @@
 //! Vectors of numbers: what the sweeps need of an instruction set.
 //! Loads and stores go through raw pointers; every function states what its caller promises.
 
-use super::super::super::stencil::Number;
+use super::super::super::stencil::{Number, Splat};
 use super::super::super::{QUIET_PA, quieten};
 use super::super::layout::{NARROW, WIDE};
-use super::task::Task;
+use super::sweep::Sweep;
 
 /// A few numbers in registers.
 pub(super) trait Vector: Number {
@@ -32,14 +32,22 @@ pub(super) trait Vector: Number {
     /// Asks for the cache line at `at`, wherever that is, before it is used.
     #[inline(always)]
     fn fetch(_at: *const f32) {}
-    /// Runs `task`, as a function of its own if the instruction set needs to be named for that.
+    /// [`Sweep::rows`], where registers are few as a function of its own. Inlined into the one large function of a tile's sweep, the compiler then
+    /// keeps hardly a pointer or a weight of the inner loop in a register, but loads them from the stack for every vector.
     ///
     /// # Safety
-    /// As [`Task::run`].
+    /// As [`Sweep::rows`].
     #[inline(always)]
-    unsafe fn apart<T: Task>(task: T) {
+    unsafe fn sweep<S: Sweep<Self>>(
+        weights: &Splat<Self>,
+        now: *const f32,
+        next: *mut f32,
+        stride: usize,
+        vectors: usize,
+        rows: usize,
+    ) {
         // SAFETY: the caller's promise.
-        unsafe { task.run() }
+        unsafe { S::rows(weights, now, next, stride, vectors, rows) }
     }
 }
 
@@ -128,7 +136,7 @@ pub(super) struct Avx(std::arch::x86_64::__m256);
 mod avx {
     use std::arch::x86_64::*;
 
-    use super::{Avx, NARROW, Number, QUIET_PA, Task, Vector};
+    use super::{Avx, NARROW, Number, QUIET_PA, Splat, Sweep, Vector};
 
     impl Vector for Avx {
         const LANES: usize = NARROW;
@@ -178,15 +186,31 @@ mod avx {
             unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast()) }
         }
         #[inline(always)]
-        unsafe fn apart<T: Task>(task: T) {
+        unsafe fn sweep<S: Sweep<Self>>(
+            weights: &Splat<Self>,
+            now: *const f32,
+            next: *mut f32,
+            stride: usize,
+            vectors: usize,
+            rows: usize,
+        ) {
             #[inline(never)]
             #[target_feature(enable = "avx2,fma")]
-            unsafe fn apart<T: Task>(task: T) {
+            unsafe fn apart<S: Sweep<Avx>>(
+                weights: &Splat<Avx>,
+                now: *const f32,
+                next: *mut f32,
+                stride: usize,
+                vectors: usize,
+                rows: usize,
+            ) {
+                // A copy, which no store can change: the compiler would load the weights again after each.
+                let weights = *weights;
                 // SAFETY: the caller's promise.
-                unsafe { task.run() }
+                unsafe { S::rows(&weights, now, next, stride, vectors, rows) }
             }
             // SAFETY: the caller's promise.
-            unsafe { apart(task) }
+            unsafe { apart::<S>(weights, now, next, stride, vectors, rows) }
         }
         #[inline(always)]
         fn moved_down(self, last: f32) -> Self {

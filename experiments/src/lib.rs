@@ -11,6 +11,7 @@ pub mod interrupt;
 pub mod laboratory;
 pub mod metrics;
 pub mod multipath;
+pub mod noise;
 pub mod preset;
 pub mod progress;
 pub mod provenance;

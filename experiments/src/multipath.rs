@@ -15,7 +15,7 @@ use localizer::{DirectWave, Parameters, Pose, Recording, Trajectory};
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::cache::{Cache, Key, hash_of_samples};
-use crate::trials::{Noise, add_noise};
+use crate::noise::Noise;
 
 /// Corners of the room, counter-clockwise, metres; the wall on the right is slanted by 6.6 degrees.
 pub const CORNERS_M: [[f64; 2]; 4] = [[0.0, 0.0], [5.2, 0.0], [4.7, 4.3], [0.0, 4.3]];
@@ -209,7 +209,7 @@ impl Site {
             snr_db: SNR_DB,
             trial,
         };
-        add_noise(&mut signal, &self.direct, noise);
+        noise.add_to(&mut signal, &self.direct);
         let count = (self.drive.duration_s() * WHEEL_RATE_HZ).ceil() as usize;
         let times: Vec<f64> = (0..=count)
             .map(|index| index as f64 / WHEEL_RATE_HZ)

@@ -1,12 +1,12 @@
 //! Localization trials: measured echoes are shared, filter runs go in parallel, results are kept in the cache.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use fdtd::scheme::Scheme;
 use localizer::pose::wrap_angle;
 use localizer::{EchoSequence, MapImage, Parameters, Recording, echoes, offline, random};
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -14,21 +14,13 @@ use crate::cache::Key;
 use crate::interrupt;
 use crate::laboratory::{Laboratory, measurement_of};
 use crate::metrics::{Accuracy, rounded};
+use crate::noise::Noise;
 
 /// Version of the code around the localizer that results depend on (noise, errors).
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
-/// Most sets of measured echoes held in memory at the same time.
+/// Most sets of measured echoes without noise held in memory at the same time.
 const MOST_SEQUENCES: usize = 4;
-
-/// White noise added to the localization drive, eqs. (19)-(21).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Noise {
-    /// Ratio of the power of the reflected signal to that of the noise, decibels.
-    pub snr_db: f64,
-    /// Number of the noise.
-    pub trial: u64,
-}
 
 /// One run of the filter.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,24 +73,6 @@ pub fn accuracy(results: &[TrialResult]) -> Accuracy {
     Accuracy::over(&errors)
 }
 
-/// Adds white noise to a signal so that `snr_db` is the ratio of the power of `signal - direct` (eq. (20)) to that of the noise (eq. (21)).
-pub fn add_noise(signal: &mut [f32], direct: &[f32], noise: Noise) {
-    let mut random = random::stream(random::trial_seed("noise", "", noise.trial), "microphone");
-    let samples: Vec<f64> = (0..signal.len())
-        .map(|_| StandardNormal.sample(&mut random))
-        .collect();
-    let desired: f64 = signal
-        .iter()
-        .zip(direct)
-        .map(|(all, direct)| f64::from(all - direct).powi(2))
-        .sum();
-    let power: f64 = samples.iter().map(|sample| sample * sample).sum();
-    let scale = (desired / power.max(f64::MIN_POSITIVE) / 10_f64.powf(0.1 * noise.snr_db)).sqrt();
-    for (value, sample) in signal.iter_mut().zip(&samples) {
-        *value += (scale * sample) as f32;
-    }
-}
-
 /// Trials that share measured echoes.
 struct Group<'a> {
     scheme: Option<Scheme>,
@@ -125,12 +99,9 @@ impl Laboratory {
         let missing: u64 = groups.iter().map(|group| group.members.len() as u64).sum();
         let task = self.board.task(label, missing);
         let mut done = 0;
-        for batch in groups.chunks(self.threads.clamp(1, MOST_SEQUENCES)) {
+        for batch in batches(groups, self.threads.clamp(1, MOST_SEQUENCES)) {
             interrupt::check()?;
-            let benches = batch
-                .iter()
-                .map(|group| self.bench(group))
-                .collect::<Result<Vec<_>>>()?;
+            let benches = self.benches(&batch)?;
             let runs: Vec<(usize, &Trial, &Bench)> = batch
                 .iter()
                 .zip(&benches)
@@ -208,15 +179,38 @@ impl Laboratory {
         Ok(groups)
     }
 
-    /// Measures what the trials of a group share.
+    /// Measures what the trials of each group share.
+    fn benches(&self, batch: &[Group<'_>]) -> Result<Vec<Bench>> {
+        let Some(noise) = batch.first().and_then(|group| group.noise) else {
+            return batch.iter().map(|group| self.bench(group)).collect();
+        };
+        // They differ in the level of the noise only.
+        let group = &batch[0];
+        let map = self.map(group.scheme, &group.parameters)?;
+        let take = self.take("localization", group.scheme);
+        let recording = Arc::new(self.recording(&take, true)?);
+        let direct = recording.direct.as_deref().unwrap_or_default();
+        let samples = noise.samples(recording.signal.len());
+        let levels: Vec<f32> = batch
+            .iter()
+            .filter_map(|group| group.noise)
+            .map(|noise| noise.level(&recording.signal, direct, &samples) as f32)
+            .collect();
+        let samples: Vec<f32> = samples.iter().map(|&sample| sample as f32).collect();
+        let sequences = echoes::measure_noisy(&recording, &samples, &levels, &group.parameters)?;
+        let bench = |sequence| Bench {
+            recording: Arc::clone(&recording),
+            sequence,
+            map: Arc::clone(&map),
+        };
+        Ok(sequences.into_iter().map(bench).collect())
+    }
+
+    /// Measures what the trials of a group without noise share.
     fn bench(&self, group: &Group<'_>) -> Result<Bench> {
         let map = self.map(group.scheme, &group.parameters)?;
         let take = self.take("localization", group.scheme);
-        let mut recording = self.recording(&take, group.noise.is_some())?;
-        if let Some(noise) = group.noise {
-            let direct = recording.direct.clone().unwrap_or_default();
-            add_noise(&mut recording.signal, &direct, noise);
-        }
+        let recording = Arc::new(self.recording(&take, false)?);
         let sequence = echoes::measure(&recording, &group.parameters)?;
         Ok(Bench {
             recording,
@@ -226,11 +220,37 @@ impl Laboratory {
     }
 }
 
+/// Groups that are measured together, in order of appearance: all that differ in nothing but the level of one noise; of those without noise, up to
+/// `most`.
+fn batches(groups: Vec<Group<'_>>, most: usize) -> Vec<Vec<Group<'_>>> {
+    let mut batches: Vec<Vec<Group<'_>>> = Vec::new();
+    for group in groups {
+        let place = batches.iter().position(|batch| match group.noise {
+            Some(noise) => batch[0].differs_in_level(&group, noise),
+            None => batch[0].noise.is_none() && batch.len() < most,
+        });
+        match place {
+            Some(place) => batches[place].push(group),
+            None => batches.push(vec![group]),
+        }
+    }
+    batches
+}
+
+impl Group<'_> {
+    /// Whether another group's noise is this one's but for its level, and all else the same.
+    fn differs_in_level(&self, other: &Group<'_>, noise: Noise) -> bool {
+        self.noise.is_some_and(|own| own.trial == noise.trial)
+            && self.scheme == other.scheme
+            && self.parameters == other.parameters
+    }
+}
+
 /// Echoes, map and truth on which filters are tried.
 struct Bench {
-    recording: Recording,
+    recording: Arc<Recording>,
     sequence: EchoSequence,
-    map: std::sync::Arc<MapImage>,
+    map: Arc<MapImage>,
 }
 
 impl Bench {
@@ -268,51 +288,5 @@ impl Bench {
             )));
         }
         Ok(result)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn noise_has_the_asked_power() {
-        let direct: Vec<f32> = (0..20_000).map(|k| (k as f32 * 0.7).sin()).collect();
-        let echoes: Vec<f32> = (0..20_000).map(|k| 0.1 * (k as f32 * 0.3).sin()).collect();
-        let clean: Vec<f32> = direct.iter().zip(&echoes).map(|(a, b)| a + b).collect();
-        let mut noisy = clean.clone();
-        add_noise(
-            &mut noisy,
-            &direct,
-            Noise {
-                snr_db: 6.0,
-                trial: 1,
-            },
-        );
-        let power = |values: &mut dyn Iterator<Item = f32>| {
-            values.map(|value| f64::from(value * value)).sum::<f64>()
-        };
-        let noise = power(&mut noisy.iter().zip(&clean).map(|(a, b)| a - b));
-        let snr_db = 10.0 * (power(&mut echoes.iter().copied()) / noise).log10();
-        assert!((snr_db - 6.0).abs() < 0.01, "{snr_db}");
-        let mut again = clean.clone();
-        add_noise(
-            &mut again,
-            &direct,
-            Noise {
-                snr_db: 6.0,
-                trial: 1,
-            },
-        );
-        assert_eq!(again, noisy);
-        add_noise(
-            &mut again,
-            &direct,
-            Noise {
-                snr_db: 6.0,
-                trial: 2,
-            },
-        );
-        assert_ne!(again, noisy);
     }
 }

@@ -26,11 +26,18 @@ pub(crate) struct Correlator {
     replicas: [Vec<Complex<f32>>; 2],
 }
 
-/// Buffers of [`Correlator::envelopes`], owned by the caller and reused.
+/// Buffers of [`Correlator::correlate`], owned by the caller and reused.
 pub(crate) struct CorrelatorScratch {
     joint: Vec<Complex<f32>>,
     products: [Vec<Complex<f32>>; 2],
     work: Vec<Complex<f32>>,
+}
+
+impl CorrelatorScratch {
+    /// The first `count` lags of the products.
+    fn lags(&self, count: usize) -> [&[Complex<f32>]; 2] {
+        self.products.each_ref().map(|product| &product[..count])
+    }
 }
 
 impl Correlator {
@@ -63,7 +70,7 @@ impl Correlator {
         }
     }
 
-    /// Buffers for [`Self::envelopes`].
+    /// Buffers for [`Self::correlate`].
     pub(crate) fn scratch(&self) -> CorrelatorScratch {
         let buffer = || vec![Complex::new(0.0, 0.0); self.forward.len()];
         let (forward, inverse) = (&self.forward, &self.inverse);
@@ -77,13 +84,8 @@ impl Correlator {
         }
     }
 
-    /// The envelopes of two signals of one period each, over the lags.
-    pub(crate) fn envelopes(
-        &self,
-        signals: &[Vec<f32>; 2],
-        scratch: &mut CorrelatorScratch,
-        envelopes: &mut [Vec<f32>; 2],
-    ) {
+    /// Correlates two signals of one period each, for [`Self::envelopes`]: linear in the signals.
+    pub(crate) fn correlate(&self, signals: &[Vec<f32>; 2], scratch: &mut CorrelatorScratch) {
         let CorrelatorScratch {
             joint,
             products,
@@ -100,17 +102,49 @@ impl Correlator {
             multiply(joint, replica, product);
             self.inverse.process_with_scratch(product, work);
         }
-        let [with, against] = &*products;
+    }
+
+    /// The envelopes, over the lags, of the two signals that were correlated last.
+    pub(crate) fn envelopes(&self, scratch: &CorrelatorScratch, envelopes: &mut [Vec<f32>; 2]) {
+        let [with, against] = scratch.lags(self.lags);
         let [first, second] = envelopes;
-        let magnitude = |value: Complex<f32>| value.norm_sqr().sqrt();
         wide(|| {
-            let pairs = with[..self.lags].iter().zip(against);
-            for ((one, other), (with, against)) in first.iter_mut().zip(second).zip(pairs) {
-                *one = magnitude(with + against.conj());
-                *other = magnitude(with - against.conj());
+            let pairs = with.iter().zip(against);
+            for ((one, other), (&with, &against)) in first.iter_mut().zip(second).zip(pairs) {
+                [*one, *other] = magnitudes(with, against);
             }
         });
     }
+
+    /// [`Self::envelopes`] of the signals of `scratch` plus `level` times those of `noise`.
+    pub(crate) fn envelopes_of_sum(
+        &self,
+        scratch: &CorrelatorScratch,
+        noise: &CorrelatorScratch,
+        level: f32,
+        envelopes: &mut [Vec<f32>; 2],
+    ) {
+        let [with, against] = scratch.lags(self.lags);
+        let [noise_with, noise_against] = noise.lags(self.lags);
+        let [first, second] = envelopes;
+        wide(|| {
+            let pairs = with.iter().zip(against);
+            let noises = noise_with.iter().zip(noise_against);
+            let envelopes = first.iter_mut().zip(second);
+            for ((envelopes, (with, against)), (noise_with, noise_against)) in
+                envelopes.zip(pairs).zip(noises)
+            {
+                [*envelopes.0, *envelopes.1] =
+                    magnitudes(with + noise_with * level, against + noise_against * level);
+            }
+        });
+    }
+}
+
+/// Magnitudes of the analytic correlations of the two signals behind a pair of products.
+fn magnitudes(with: Complex<f32>, against: Complex<f32>) -> [f32; 2] {
+    let against = against.conj();
+    [with + against, with - against].map(|value| value.norm_sqr().sqrt())
 }
 
 /// Analytic signal of a periodic signal. The mean and the line at half the sample rate carry no envelope and are left out.
@@ -159,7 +193,8 @@ mod tests {
             let mut scratch = correlator.scratch();
             let mut envelopes = [vec![0.0; lags], vec![0.0; lags]];
             for _ in 0..2 {
-                correlator.envelopes(&signals, &mut scratch, &mut envelopes);
+                correlator.correlate(&signals, &mut scratch);
+                correlator.envelopes(&scratch, &mut envelopes);
             }
             for (signal, envelope) in signals.iter().zip(&envelopes) {
                 for (fast, slow) in envelope.iter().zip(plain(signal, &transmitted, 3)) {

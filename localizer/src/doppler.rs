@@ -112,29 +112,71 @@ impl DopplerBank {
         intensity: &mut Array2<f32>,
     ) {
         self.resampler.prepare(block, &mut scratch.branches);
-        for first in (0..=self.directions).step_by(2) {
-            // Two directions share the transforms.
-            let pair = first..=(first + 1).min(self.directions);
-            for (direction, folded) in pair.clone().zip(&mut scratch.folded) {
-                self.resampler.fold(
-                    &scratch.branches,
-                    self.origin,
-                    self.excess(v_mps, direction),
-                    folded,
-                );
+        for first in self.pairs() {
+            self.correlate(first, v_mps, scratch);
+            let DopplerScratch {
+                correlation,
+                envelopes,
+                ..
+            } = scratch;
+            self.correlator.envelopes(correlation, envelopes);
+            self.keep(first, envelopes, intensity);
+        }
+    }
+
+    /// [`Self::measure`] of a block to which noise of several levels is added, `block + level noise`: all but the envelope is linear, so that block
+    /// and noise are correlated once each. One intensity for each level; `scratch` holds the buffers of block and noise.
+    pub fn measure_noisy(
+        &self,
+        [block, noise]: [&[f32]; 2],
+        levels: &[f32],
+        v_mps: f64,
+        scratch: &mut [DopplerScratch; 2],
+        intensities: &mut [Array2<f32>],
+    ) {
+        let [of_block, of_noise] = scratch;
+        self.resampler.prepare(block, &mut of_block.branches);
+        self.resampler.prepare(noise, &mut of_noise.branches);
+        for first in self.pairs() {
+            self.correlate(first, v_mps, of_block);
+            self.correlate(first, v_mps, of_noise);
+            let (signal, noise) = (&of_block.correlation, &of_noise.correlation);
+            let envelopes = &mut of_block.envelopes;
+            for (&level, intensity) in levels.iter().zip(&mut *intensities) {
+                self.correlator
+                    .envelopes_of_sum(signal, noise, level, envelopes);
+                self.keep(first, envelopes, intensity);
             }
-            self.correlator.envelopes(
-                &scratch.folded,
-                &mut scratch.correlation,
-                &mut scratch.envelopes,
+        }
+    }
+
+    /// The first of each two directions, which share their transforms.
+    fn pairs(&self) -> impl Iterator<Item = usize> + use<> {
+        (0..=self.directions).step_by(2)
+    }
+
+    /// Eqs. (1)-(3) up to the envelope, for direction `first` and the next one of the prepared block.
+    fn correlate(&self, first: usize, v_mps: f64, scratch: &mut DopplerScratch) {
+        for (direction, folded) in (first..=self.directions).zip(&mut scratch.folded) {
+            self.resampler.fold(
+                &scratch.branches,
+                self.origin,
+                self.excess(v_mps, direction),
+                folded,
             );
-            for (direction, envelope) in pair.zip(&scratch.envelopes) {
-                pool(
-                    envelope,
-                    self.pool,
-                    intensity.row_mut(direction).into_slice(),
-                );
-            }
+        }
+        self.correlator
+            .correlate(&scratch.folded, &mut scratch.correlation);
+    }
+
+    /// Writes the envelopes of direction `first` and the next one, pooled, to their rows.
+    fn keep(&self, first: usize, envelopes: &[Vec<f32>; 2], intensity: &mut Array2<f32>) {
+        for (direction, envelope) in (first..=self.directions).zip(envelopes) {
+            pool(
+                envelope,
+                self.pool,
+                intensity.row_mut(direction).into_slice(),
+            );
         }
     }
 }

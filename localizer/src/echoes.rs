@@ -3,12 +3,12 @@
 use ndarray::{Array2, ArrayView2, aview1};
 use rayon::prelude::*;
 
-use crate::direct_wave::{self, DirectWaveEstimate};
+use crate::blocks::{Drive, map_blocks};
 use crate::doppler::DopplerBank;
 use crate::error::Error;
-use crate::parameters::{DirectWave, Method, Parameters, ToaImage};
+use crate::parameters::{Method, Parameters, ToaImage};
 use crate::pose::{Odometry, Pose};
-use crate::receiver::{mean_odometry, remove_direct};
+use crate::receiver::mean_odometry;
 use crate::recording::Recording;
 use crate::trajectory::Trajectory;
 
@@ -129,86 +129,80 @@ pub fn measure(recording: &Recording, parameters: &Parameters) -> Result<EchoSeq
     })
 }
 
-/// Applies `each` to every block of a recording (its number, its samples without the direct wave, the odometry of its periods), in parallel, each
-/// thread with its own buffers from `buffers`. Returns the results in order and the mean odometry of every period.
+/// Measures the echoes of a recording to whose signal noise of several levels is added, `signal + level noise`: what [`measure`] gives for each of
+/// the sums, within rounding, for little more than the time of two of them.
+///
+/// `noise` is as long as the signal. A free-field direct wave is subtracted from the signal alone.
 ///
 /// # Errors
-/// As [`measure`].
-pub(crate) fn map_blocks<B, T: Send>(
+/// As [`measure`], and [`Error::Invalid`] when `noise` has another length than the signal.
+pub fn measure_noisy(
     recording: &Recording,
+    noise: &[f32],
+    levels: &[f32],
     parameters: &Parameters,
-    buffers: impl Fn(&DopplerBank) -> B + Sync,
-    each: impl Fn(&DopplerBank, &mut B, usize, &[f32], &[Odometry]) -> T + Sync,
-) -> Result<(Vec<T>, Vec<Odometry>), Error> {
-    let bank = DopplerBank::new(parameters)?;
-    if parameters.for_recording(&recording.meta) != *parameters {
-        let problem = "waveform, sample rate or speed of sound differ from recording.json";
-        return Err(Error::invalid(
-            "parameters",
-            "waveform",
-            problem,
-            "take those of the recording",
-        ));
-    }
-    recording.check("recording")?;
-    let period = parameters.samples_per_period();
-    let count = recording.signal.len() / period;
-    if count < parameters.periods {
+) -> Result<Vec<EchoSequence>, Error> {
+    let drive = Drive::new(recording, parameters)?;
+    if noise.len() != drive.signal.len() {
         let problem = format!(
-            "holds {count} whole periods, one block needs {}",
-            parameters.periods
+            "{} samples of noise for {} of the signal",
+            noise.len(),
+            drive.signal.len()
         );
-        return Err(Error::invalid(
-            "recording",
-            "signal.wav",
-            problem,
-            "record longer or choose fewer periods",
-        ));
+        return Err(Error::invalid("noise", "length", problem, "give as many"));
     }
-    let freed;
-    let signal = if parameters.direct_wave == DirectWave::FreeField {
-        freed = direct_wave::subtract_free_field(&recording.signal, recording.direct.as_deref())?;
-        &freed
-    } else {
-        &recording.signal
-    };
-    let odometry = recording.odometry_per_period(parameters.period_s(), count);
-    // The average is a matter of order and cheap; the bank is neither.
-    let directs = direct_periods(signal, parameters, count);
-    let blocks = directs
-        .par_iter()
-        .enumerate()
+    let bank = &drive.bank;
+    let directs = [&*drive.signal, noise].map(|signal| drive.directs(signal));
+    let blocks: Vec<Vec<EchoBlock>> = (0..directs[0].len())
+        .into_par_iter()
         .map_init(
-            || (buffers(&bank), vec![0.0; bank.block_length()]),
-            |(own, freed), (index, direct)| {
-                let end = index + parameters.periods;
-                remove_direct(&signal[index * period..end * period], direct, freed);
-                each(&bank, own, index, freed, &odometry[index..end])
+            || {
+                let freed = || vec![0.0; bank.block_length()];
+                ([bank.scratch(), bank.scratch()], [freed(), freed()])
+            },
+            |(scratch, freed), index| {
+                let [block, added] = freed;
+                drive.free(&drive.signal, &directs[0], index, block);
+                drive.free(noise, &directs[1], index, added);
+                let mut proto = EchoBlock::empty(bank);
+                proto.set_motion(parameters, index, drive.odometry_of(index));
+                let mut intensities: Vec<Array2<f32>> =
+                    levels.iter().map(|_| bank.intensity()).collect();
+                let v_mps = proto.odometry.v_mps;
+                bank.measure_noisy([block, added], levels, v_mps, scratch, &mut intensities);
+                let noisy = intensities.into_iter().map(|intensity| {
+                    let mut block = EchoBlock {
+                        intensity,
+                        ..proto.clone()
+                    };
+                    block.set_toa(parameters.toa_image);
+                    block
+                });
+                noisy.collect()
             },
         )
         .collect();
-    Ok((blocks, odometry))
-}
-
-/// The direct wave's estimate at the end of every block.
-fn direct_periods(signal: &[f32], parameters: &Parameters, count: usize) -> Vec<Vec<f32>> {
-    let period = parameters.samples_per_period();
-    let mut estimate = DirectWaveEstimate::new(parameters);
-    let mut directs = Vec::with_capacity(count + 1 - parameters.periods);
-    for (index, samples) in signal.chunks_exact(period).enumerate() {
-        estimate.push(samples);
-        if index + 1 >= parameters.periods {
-            let mut direct = vec![0.0; period];
-            estimate.write(&mut direct);
-            directs.push(direct);
+    let mut sequences: Vec<EchoSequence> = levels
+        .iter()
+        .map(|_| EchoSequence {
+            parameters: parameters.clone(),
+            blocks: Vec::with_capacity(blocks.len()),
+            odometry: drive.odometry.clone(),
+        })
+        .collect();
+    for levels in blocks {
+        for (sequence, block) in sequences.iter_mut().zip(levels) {
+            sequence.blocks.push(block);
         }
     }
-    directs
+    Ok(sequences)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::DirectWave;
+    use crate::recording::{OdometrySample, RecordingMeta};
 
     #[test]
     fn a_range_only_image_is_the_mean_or_the_strongest_of_the_directions() {
@@ -226,5 +220,65 @@ mod tests {
         block.set_toa(ToaImage::Mean);
         assert_eq!(block.toa_intensity[7], 2.0);
         assert_eq!(block.toa_intensity[8], 0.0);
+    }
+
+    /// Noise of several levels, against the sums measured one by one, for every way of removing the direct wave.
+    #[test]
+    fn noisy_echoes_are_those_of_the_sums() {
+        for direct_wave in [
+            DirectWave::Keep,
+            DirectWave::RunningMean,
+            DirectWave::GatedMean,
+            DirectWave::FreeField,
+        ] {
+            let parameters = Parameters {
+                periods: 2,
+                directions: 4,
+                direct_wave,
+                range_pool_m: 0.01,
+                ..Parameters::default()
+            };
+            let length = 5 * parameters.samples_per_period();
+            let wave = |a: f32| -> Vec<f32> {
+                (0..length)
+                    .map(|k| (k as f32 * a).sin() + (((k * k) % 8191) as f32 * 0.7).cos())
+                    .collect()
+            };
+            let (signal, noise) = (wave(0.31), wave(1.13));
+            let mut recording = Recording {
+                signal: signal.clone(),
+                direct: Some(wave(0.31)),
+                odometry: [0.0, 1.0]
+                    .map(|t_s| OdometrySample {
+                        t_s,
+                        v_mps: 0.3 + 0.1 * t_s,
+                        omega_radps: 0.1,
+                    })
+                    .to_vec(),
+                truth: None,
+                meta: RecordingMeta::from_parameters(&parameters),
+            };
+            let levels = [0.0, 0.4, 3.0];
+            let noisy = measure_noisy(&recording, &noise, &levels, &parameters).expect("valid");
+            assert_eq!(noisy.len(), levels.len());
+            for (sequence, level) in noisy.iter().zip(levels) {
+                for ((sum, signal), noise) in recording.signal.iter_mut().zip(&signal).zip(&noise) {
+                    *sum = signal + level * noise;
+                }
+                let plain = measure(&recording, &parameters).expect("valid");
+                assert_eq!(sequence.blocks.len(), plain.blocks.len());
+                for (fast, plain) in sequence.blocks.iter().zip(&plain.blocks) {
+                    let largest = plain.intensity.iter().fold(0.0_f32, |a, &b| a.max(b));
+                    for (fast, plain) in fast.intensity.iter().zip(&plain.intensity) {
+                        assert!(
+                            (fast - plain).abs() < 3e-6 * (largest + 1.0),
+                            "{fast} is not {plain} at {level}"
+                        );
+                    }
+                    assert_eq!((fast.t_s, fast.odometry), (plain.t_s, plain.odometry));
+                }
+            }
+            assert!(measure_noisy(&recording, &noise[1..], &levels, &parameters).is_err());
+        }
     }
 }

@@ -4,10 +4,11 @@ use anyhow::Result;
 use localizer::{Method, Parameters};
 
 use crate::laboratory::Laboratory;
+use crate::noise::Noise;
 use crate::simulate::Take;
 use crate::summary::{NoiseCell, Summary};
 use crate::table::{Table, cell};
-use crate::trials::{Noise, Trial, accuracy};
+use crate::trials::{Trial, accuracy};
 
 /// Recordings of the study: the direct wave of the localization drive tells the power of the reflected signal.
 pub(crate) fn takes(lab: &Laboratory) -> Vec<Take> {

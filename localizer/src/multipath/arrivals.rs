@@ -7,7 +7,7 @@
 use ndarray::Array2;
 
 use super::peaks::{Picking, pick};
-use crate::echoes::map_blocks;
+use crate::blocks::map_blocks;
 use crate::error::Error;
 use crate::parameters::Parameters;
 use crate::pose::Odometry;

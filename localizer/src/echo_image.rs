@@ -12,8 +12,11 @@ use ndarray::{Array2, ArrayView2};
 use crate::parameters::Parameters;
 use crate::pose::wrap_angle;
 
+/// Parts of the turn whose place in the order of angles is on file.
+const SECTORS: usize = 4096;
+
 /// Pixels that a search along the order of angles looks at together.
-const AT_ONCE: usize = 2;
+const AT_ONCE: usize = 4;
 
 /// The pixels of a square window around the robot, in the order in which images are kept.
 #[derive(Debug, Clone)]
@@ -21,7 +24,7 @@ pub struct Window {
     half_cells: usize,
     /// Pixels with an echo, sorted by angle: world angle in (-pi, pi].
     angles_rad: Vec<f64>,
-    /// For each of so many equal parts of the turn, about as many as there are pixels, the first pixel with an angle in it or after it.
+    /// For each of [`SECTORS`] equal parts of the turn, the first pixel with an angle in it or after it.
     sectors: Vec<u32>,
     /// Their delays in samples, eq. (5).
     delays: Vec<u32>,
@@ -51,9 +54,8 @@ impl Window {
         }
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let angles_rad: Vec<f64> = near.iter().map(|pixel| pixel.0).collect();
-        let count = angles_rad.len().next_power_of_two();
-        let sectors = (0..count).map(|sector| {
-            let start_rad = 2.0 * PI * sector as f64 / count as f64 - PI;
+        let sectors = (0..SECTORS).map(|sector| {
+            let start_rad = 2.0 * PI * sector as f64 / SECTORS as f64 - PI;
             angles_rad.partition_point(|&angle| angle < start_rad) as u32
         });
         Self {
@@ -173,7 +175,7 @@ impl Window {
     /// Number of pixels for whose angles `before` holds: the first ones in the order, up to about `guess_rad`.
     fn place_of(&self, guess_rad: f64, before: impl Fn(f64) -> bool) -> usize {
         let angles = self.angles_rad.as_slice();
-        let sector = ((guess_rad + PI) * (self.sectors.len() as f64 / (2.0 * PI))) as usize;
+        let sector = ((guess_rad + PI) * (SECTORS as f64 / (2.0 * PI))) as usize;
         let mut place = self
             .sectors
             .get(sector)

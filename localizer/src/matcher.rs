@@ -46,7 +46,7 @@ impl Crop {
 }
 
 /// What a particle is to be compared with.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Sight {
     particle: usize,
     crop: usize,
@@ -111,18 +111,28 @@ impl Matcher {
             let heading = || a.heading_rad.total_cmp(&b.heading_rad);
             brightness.then(a.crop.cmp(&b.crop)).then_with(heading)
         });
-        let mut before = None;
+        let mut before: Option<&Sight> = None;
         for sight in &self.sights {
-            self.sheets.draw(sight.outline, &mut self.echo);
             let crop = &self.crops[sight.crop];
-            let scene = Some((sight.outline.largest, sight.crop));
-            information[sight.particle] = if scene == before {
-                self.tool
-                    .information_of_next(&self.echo, &crop.bins, crop.marginal)
-            } else {
-                self.tool.information(&self.echo, &crop.bins, crop.marginal)
-            };
-            before = scene;
+            let scene = |sight: &Sight| (sight.outline.largest, sight.crop);
+            information[sight.particle] =
+                match before.filter(|before| scene(before) == scene(sight)) {
+                    Some(before) => {
+                        self.sheets.for_each_change(
+                            &before.outline,
+                            &sight.outline,
+                            |start, old, new| {
+                                self.tool.change(old, new, &crop.bins[start..]);
+                            },
+                        );
+                        self.tool.value(crop.marginal)
+                    }
+                    None => {
+                        self.sheets.draw(&sight.outline, &mut self.echo);
+                        self.tool.information(&self.echo, &crop.bins, crop.marginal)
+                    }
+                };
+            before = Some(sight);
         }
     }
 

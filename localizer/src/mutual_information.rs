@@ -4,8 +4,6 @@
 //! `(sum n ln n (joint) - sum n ln n (first) - sum n ln n (second)) / N + ln N`, and n ln n comes from a table of fixed-point numbers. Their
 //! sums are exact: they do not depend on an order, and follow when single pixels change.
 
-/// Pixels whose change is looked for at once.
-const WORD: usize = 8;
 /// Copies of counts of single bins, so that a run of equal pixels does not wait for itself.
 const LANES: usize = 4;
 
@@ -14,8 +12,7 @@ const LANES: usize = 4;
 pub struct MutualInformation {
     /// Binary digits of one bin number.
     digits: u32,
-    /// The first image of the pair whose counts are held.
-    first: Vec<u8>,
+    pixels: usize,
     /// Counts of the pair, row by row. Has a place for every `u16`, so that none has to be checked.
     joint: Box<[u32; 1 << 16]>,
     /// Counts of the first image.
@@ -69,7 +66,7 @@ impl MutualInformation {
     pub fn new(bins: usize, pixels: usize) -> Self {
         Self {
             digits: (bins.min(255) + 1).next_power_of_two().ilog2(),
-            first: vec![0; pixels],
+            pixels,
             joint: Box::new([0; 1 << 16]),
             single: [0; 256],
             joint_sum: 0,
@@ -104,18 +101,12 @@ impl MutualInformation {
         self.value(second_sum)
     }
 
-    /// The same as [`Self::information`] for the same second image as in the call before: quick when the first one has changed little.
-    pub fn information_of_next(&mut self, first: &[u8], second: &[u8], second_sum: i64) -> f64 {
-        self.recount(first, second);
-        self.value(second_sum)
-    }
-
-    /// Eq. (9) of the counted pair.
-    fn value(&self, second_sum: i64) -> f64 {
-        if self.first.is_empty() {
+    /// Eq. (9) of the pair whose counts are held; `second_sum` as for [`Self::information`].
+    pub(crate) fn value(&self, second_sum: i64) -> f64 {
+        if self.pixels == 0 {
             return 0.0;
         }
-        let total = self.first.len() as f64;
+        let total = self.pixels as f64;
         let first_sum = self.n_ln_n.sum(&self.single);
         let sum = self.n_ln_n.number(self.joint_sum - first_sum - second_sum);
         // Rounding may leave a tiny negative number where there is no information.
@@ -125,7 +116,6 @@ impl MutualInformation {
     /// Counts a pair.
     fn count(&mut self, first: &[u8], second: &[u8]) {
         let (digits, width) = (self.digits, 1 << self.digits);
-        self.first.copy_from_slice(first);
         self.joint[..width << digits].fill(0);
         let mut sum = 0;
         for (&a, &b) in first.iter().zip(second) {
@@ -139,41 +129,23 @@ impl MutualInformation {
         }
     }
 
-    /// Counts those pixels anew in which the first image differs from the one before.
-    fn recount(&mut self, first: &[u8], second: &[u8]) {
-        let Self {
-            digits,
-            joint,
-            single,
-            joint_sum,
-            n_ln_n,
-            ..
-        } = self;
-        let mut change = |old: u8, new: u8, b: u8| {
-            let from = &mut joint[usize::from((u16::from(old) << *digits) | u16::from(b))];
-            *from -= 1;
-            *joint_sum -= n_ln_n.steps[*from as usize];
-            let to = &mut joint[usize::from((u16::from(new) << *digits) | u16::from(b))];
-            *joint_sum += n_ln_n.steps[*to as usize];
-            *to += 1;
-            single[usize::from(old)] -= 1;
-            single[usize::from(new)] += 1;
-        };
-        let (held, held_rest) = self.first.as_chunks_mut::<WORD>();
-        let (first, first_rest) = first.as_chunks::<WORD>();
-        let (second, second_rest) = second.as_chunks::<WORD>();
-        for ((held, new), second) in held.iter_mut().zip(first).zip(second) {
-            let mut differing = u64::from_le_bytes(*held) ^ u64::from_le_bytes(*new);
-            while differing != 0 {
-                let place = differing.trailing_zeros() as usize / 8;
-                change(held[place], new[place], second[place]);
-                differing &= !(0xff << (8 * place));
+    /// Takes account of pixels whose bins in the first image of the pair changed from `old` to `new`; `second` are theirs in the second.
+    pub(crate) fn change(&mut self, old: &[u8], new: &[u8], second: &[u8]) {
+        let digits = self.digits;
+        let place =
+            |first: u8, second: u8| usize::from((u16::from(first) << digits) | u16::from(second));
+        for ((&old, &new), &second) in old.iter().zip(new).zip(second) {
+            if old == new {
+                continue;
             }
-            *held = *new;
-        }
-        for ((held, &new), &second) in held_rest.iter_mut().zip(first_rest).zip(second_rest) {
-            change(*held, new, second);
-            *held = new;
+            let from = &mut self.joint[place(old, second)];
+            *from -= 1;
+            self.joint_sum -= self.n_ln_n.steps[*from as usize];
+            let to = &mut self.joint[place(new, second)];
+            self.joint_sum += self.n_ln_n.steps[*to as usize];
+            *to += 1;
+            self.single[usize::from(old)] -= 1;
+            self.single[usize::from(new)] += 1;
         }
     }
 }
@@ -268,15 +240,19 @@ mod tests {
 
         #[test]
         fn following_changes_gives_the_same_as_counting(
-            images in prop::collection::vec(prop::collection::vec(0_u8..12, 61), 1..6),
+            images in prop::collection::vec(prop::collection::vec(0_u8..12, 61), 2..6),
             second in prop::collection::vec(0_u8..=127, 61),
+            start in 0_usize..61,
         ) {
             let mut tool = MutualInformation::new(127, 61);
             let second_sum = tool.marginal(&second);
-            tool.information(&[3; 61], &second, second_sum);
-            for first in images {
-                let followed = tool.information_of_next(&first, &second, second_sum);
-                let counted = MutualInformation::new(127, 61).information(&first, &second, second_sum);
+            let mut held = images[0].clone();
+            tool.information(&held, &second, second_sum);
+            for image in &images[1..] {
+                tool.change(&held[start..], &image[start..], &second[start..]);
+                held[start..].copy_from_slice(&image[start..]);
+                let followed = tool.value(second_sum);
+                let counted = MutualInformation::new(127, 61).information(&held, &second, second_sum);
                 prop_assert_eq!(followed.to_bits(), counted.to_bits());
             }
         }

@@ -2,7 +2,10 @@
 //!
 //! Under similar headings a pixel looks into the same few directions. The echoes of each direction are therefore laid out over
 //! the window's pixels, a sheet per direction, piece by piece as headings ask for them; an image is then put together from a few dozen
-//! contiguous runs. The same holds for the bins, as long as the images' maxima are equal: ask for images in the order of their maxima.
+//! contiguous runs. The same holds for the bins, as long as the images' maxima are equal: ask for images in the order of their maxima. Two such
+//! images differ where their runs differ.
+
+use std::ops::Range;
 
 use ndarray::ArrayView2;
 
@@ -33,12 +36,12 @@ pub(crate) struct Sheets {
 }
 
 /// What a heading's image is put together from.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Outline {
     /// Largest echo of the image.
     pub(crate) largest: f32,
-    /// First of its runs and the one after the last.
-    runs: [usize; 2],
+    /// Its runs.
+    runs: Range<usize>,
 }
 
 impl Sheets {
@@ -103,36 +106,78 @@ impl Sheets {
         });
         Outline {
             largest,
-            runs: [first, self.runs.len()],
+            runs: first..self.runs.len(),
         }
     }
 
     /// Writes the bins of an image, eq. (14), in the order of the window; pixels without an echo are zero.
-    pub(crate) fn draw(&mut self, outline: Outline, image: &mut [u8]) {
-        let Outline { largest, runs } = outline;
-        if largest <= 0.0 {
+    pub(crate) fn draw(&mut self, outline: &Outline, image: &mut [u8]) {
+        if outline.largest <= 0.0 {
             return image.fill(0);
         }
         let mut drawn = 0;
-        for &[direction, start, end] in &self.runs[runs[0]..runs[1]] {
-            let sheet = direction as usize * self.pieces;
-            let (start, end) = (start as usize, end as usize);
-            for piece in sheet + start / PIECE..sheet + end.div_ceil(PIECE) {
-                if self.maxima[piece] != largest {
-                    self.maxima[piece] = largest;
-                    let pixels = piece * PIECE..(piece + 1) * PIECE;
-                    quantize_by(
-                        largest,
-                        &self.echoes[pixels.clone()],
-                        self.bins,
-                        &mut self.quantized[pixels],
-                    );
-                }
-            }
-            image[start..end].copy_from_slice(&self.quantized[sheet * PIECE..][start..end]);
+        for run in outline.runs.clone() {
+            let [direction, start, end] = self.run(run);
+            self.quantize(direction, start..end, outline.largest);
+            image[start..end].copy_from_slice(&self.sheet(direction)[start..end]);
             drawn = end;
         }
         image[drawn..].fill(0);
+    }
+
+    /// Calls `told` with all stretches of pixels that see another direction in one image than in another: the first pixel, their bins there and
+    /// here. `before` was drawn, or followed, with the same maximum.
+    pub(crate) fn for_each_change(
+        &mut self,
+        before: &Outline,
+        outline: &Outline,
+        mut told: impl FnMut(usize, &[u8], &[u8]),
+    ) {
+        if outline.largest <= 0.0 {
+            return;
+        }
+        let (mut there, mut here) = (before.runs.start, outline.runs.start);
+        let mut start = 0;
+        // The runs of each image follow one another and end with the same pixel.
+        while there < before.runs.end && here < outline.runs.end {
+            let ([old, _, old_end], [new, _, new_end]) = (self.run(there), self.run(here));
+            let end = old_end.min(new_end);
+            if old != new && start < end {
+                self.quantize(new, start..end, outline.largest);
+                let (old, new) = (self.sheet(old), self.sheet(new));
+                told(start, &old[start..end], &new[start..end]);
+            }
+            start = end;
+            there += usize::from(old_end == end);
+            here += usize::from(new_end == end);
+        }
+    }
+
+    /// A run: direction, first pixel and the one after the last.
+    fn run(&self, run: usize) -> [usize; 3] {
+        self.runs[run].map(|number| number as usize)
+    }
+
+    /// Bins of a direction over the pixels.
+    fn sheet(&self, direction: usize) -> &[u8] {
+        &self.quantized[direction * self.pieces * PIECE..][..self.pieces * PIECE]
+    }
+
+    /// Makes the bins of some pixels of a direction for images with the maximum `largest`.
+    fn quantize(&mut self, direction: usize, pixels: Range<usize>, largest: f32) {
+        let sheet = direction * self.pieces;
+        for piece in sheet + pixels.start / PIECE..sheet + pixels.end.div_ceil(PIECE) {
+            if self.maxima[piece] != largest {
+                self.maxima[piece] = largest;
+                let pixels = piece * PIECE..(piece + 1) * PIECE;
+                quantize_by(
+                    largest,
+                    &self.echoes[pixels.clone()],
+                    self.bins,
+                    &mut self.quantized[pixels],
+                );
+            }
+        }
     }
 }
 
@@ -167,11 +212,22 @@ mod tests {
                     .iter()
                     .map(|&heading| sheets.outline(&window, polar.view(), heading))
                     .collect();
+                let mut before: Option<Outline> = None;
                 for (&heading, outline) in headings.iter().zip(outlines) {
                     window.draw(polar.view(), heading, &mut image);
                     quantize(&image, 127, &mut expected);
-                    sheets.draw(outline, &mut drawn);
+                    if let Some(before) = before.filter(|before| before.largest == outline.largest) {
+                        let mut followed = drawn.clone();
+                        sheets.for_each_change(&before, &outline, |start, old, new| {
+                            let part = &mut followed[start..start + old.len()];
+                            assert_eq!(part, old);
+                            part.copy_from_slice(new);
+                        });
+                        prop_assert_eq!(&followed, &expected);
+                    }
+                    sheets.draw(&outline, &mut drawn);
                     prop_assert_eq!(&drawn, &expected);
+                    before = Some(outline);
                 }
             }
         }

@@ -51,8 +51,12 @@ pub const SLANTS: [(f64, [f64; 2]); 5] = [
 /// What the reflection factor may be off in the mean over places.
 pub const TOLERANCE: f64 = 0.02;
 
-/// Tilts in degrees of slopes of 1 to 2 and 1 to 1, and what the factor may be off in any place at normal incidence and at 45 degrees.
-pub const SLOPES: [(f64, [f64; 2]); 2] = [(26.565, [0.05, 0.05]), (45.0, [0.05, 0.1])];
+/// Tilts in degrees of slopes of 1 to 3, 1 to 2 and 1 to 1, and what the factor may be off in any place at normal incidence and at 45 degrees.
+pub const SLOPES: [(f64, [f64; 2]); 3] = [
+    (18.434_948_822_922, [0.02, 0.02]),
+    (26.565_051_177_078, [0.02, 0.02]),
+    (45.0, [0.03, 0.03]),
+];
 
 /// By how much the echo of a rigid wall of one of [`SLOPES`] may be off its mean in any place.
 pub const STRAY: f64 = 0.03;
@@ -93,7 +97,8 @@ pub fn errors(
 ) -> Result<Errors, Error> {
     let places = places.par_iter().map(|place| {
         let shift = place * tilt_deg.to_radians().cos();
-        echoes(scheme, model, tilt_deg, tangent, shift)
+        let echoes = echoes(scheme, model, tilt_deg, tangent, shift, &RATIOS)?;
+        Ok(std::array::from_fn(|i| echoes[i]))
     });
     let places: Vec<Echoes> = places.collect::<Result<_, Error>>()?;
     // As good as the mean: the factor is a ratio.
@@ -104,15 +109,35 @@ pub fn errors(
             *largest = largest.max(error);
         }
     }
-    let mean = sum[0] / places.len() as f64;
-    let strays = places
-        .iter()
-        .map(|echoes| (echoes[0] - mean).norm() / mean.norm());
+    let rigid: Vec<Complex<f64>> = places.iter().map(|echoes| echoes[0]).collect();
     Ok(Errors {
         mean: off(&sum, tangent),
         largest,
-        stray: strays.fold(0.0, f64::max),
+        stray: off_mean(&rigid),
     })
+}
+
+/// By how much the echo of a rigid wall that is tilted by `tilt_deg` is off its mean in any of some of [`PLACES`], over it; the tangent is that of the
+/// angle of incidence.
+///
+/// # Errors
+/// When the field becomes non-finite.
+pub fn stray(scheme: Scheme, tilt_deg: f64, tangent: f64, places: &[f64]) -> Result<f64, Error> {
+    let places = places.par_iter().map(|place| {
+        let shift = place * tilt_deg.to_radians().cos();
+        let echoes = echoes(scheme, WallModel::CutCells, tilt_deg, tangent, shift, &[])?;
+        Ok(echoes[0])
+    });
+    Ok(off_mean(&places.collect::<Result<Vec<_>, Error>>()?))
+}
+
+/// By how much any of some numbers is off their mean, over it.
+fn off_mean(numbers: &[Complex<f64>]) -> f64 {
+    let mean = numbers.iter().sum::<Complex<f64>>() / numbers.len() as f64;
+    let off = numbers
+        .iter()
+        .map(|number| (number - mean).norm() / mean.norm());
+    off.fold(0.0, f64::max)
 }
 
 /// By how much echoes over the rigid wall's miss the formula.
@@ -133,14 +158,15 @@ fn way_m(tangent: f64) -> f64 {
     2.0 * DISTANCE_M * tangent.hypot(1.0)
 }
 
-/// Spectral lines of the echoes of a wall that is moved into its normal by `shift` cells.
+/// Spectral lines of the echoes of a wall that is moved into its normal by `shift` cells: rigid, and with the impedances of `ratios`.
 fn echoes(
     scheme: Scheme,
     model: WallModel,
     tilt_deg: f64,
     tangent: f64,
     shift: f64,
-) -> Result<Echoes, Error> {
+    ratios: &[f64],
+) -> Result<Vec<Complex<f64>>, Error> {
     let open = Rig::open(scheme, 400, 360);
     let at = Tilted::new(tilt_deg, [1.0, 1.1], 1.6).behind(shift * DX_M);
     let tilted = Tilted::new(tilt_deg, at, 1.6);
@@ -165,11 +191,8 @@ fn echoes(
         Ok(line(&difference(&hear(&walled)?, &direct), FREQUENCY_HZ))
     };
     let of = |z: f64| Some(Impedance::Real(z * AIR.rho_kgpm3 * AIR.c_mps));
-    let mut lines = [echo(None)?; 1 + RATIOS.len()];
-    for (line, z) in lines[1..].iter_mut().zip(RATIOS) {
-        *line = echo(of(z))?;
-    }
-    Ok(lines)
+    let ratios = ratios.iter().map(|&z| of(z));
+    std::iter::once(None).chain(ratios).map(echo).collect()
 }
 
 /// Measurements of the echo.
@@ -178,13 +201,14 @@ fn echoes(
 /// When the field becomes non-finite.
 pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
     let (schemes, slants, slopes) = match depth {
-        Depth::Quick => (&SCHEMES[1..2], &SLANTS[1..2], &SLOPES[..1]),
+        Depth::Quick => (&SCHEMES[1..2], &SLANTS[1..2], &SLOPES[2..]),
         Depth::Full => (&SCHEMES[..], &SLANTS[..], &SLOPES[..]),
     };
     let quantity = "reflection factor, error";
     let mut found = Vec::new();
     for &scheme in schemes {
         let case = |tilt_deg: f64, incidence: usize, what: &str| {
+            let tilt_deg = (1e3 * tilt_deg).round() / 1e3;
             format!("{scheme}, {tilt_deg} degrees, met at {incidence}, {what}")
         };
         for &(tilt_deg, allowed) in slants.iter().chain(slopes) {

@@ -29,8 +29,6 @@ struct Fit {
     sum: f64,
     /// What the target changes by for each square of a wave number (radians per cell) along the normal and along the wall.
     change: [f64; 2],
-    /// How far before the wall the box's middle lies, in cell widths.
-    advance: f64,
 }
 
 const FIT: Fit = Fit {
@@ -38,8 +36,10 @@ const FIT: Fit = Fit {
     depth: 0.6,
     sum: 1.01,
     change: [-0.05, 0.04],
-    advance: 0.5,
 };
+
+/// How far before the wall the box's middle lies, in cell widths.
+pub(super) const ADVANCE: f64 = 0.5;
 
 /// Where other walls leave few cells, weights whose magnitudes sum to more are not worth the mass that they ask for.
 const MOST_WEIGHT: f64 = 3.0;
@@ -78,9 +78,9 @@ impl Footprints {
         }
     }
 
-    /// Weights of cells for a piece of surface.
-    pub(super) fn at(&self, walls: &WallCells, load: &Load) -> Reach {
-        let places = self.places(walls, load);
+    /// Weights of cells for a piece of surface, of a box whose middle lies `advance` before the wall.
+    pub(super) fn at(&self, walls: &WallCells, load: &Load, advance: f64) -> Reach {
+        let places = self.places(walls, load, advance);
         let waves = self.waves(load.normal);
         let mut ridge = FIT.ridge;
         loop {
@@ -95,7 +95,7 @@ impl Footprints {
     }
 
     /// The cells of the box that no other wall hides from the surface.
-    fn places(&self, walls: &WallCells, load: &Load) -> Vec<Place> {
+    fn places(&self, walls: &WallCells, load: &Load, advance: f64) -> Vec<Place> {
         let [nx, ny] = load.normal;
         let tangent = [ny, -nx];
         let middle = middle(load);
@@ -103,9 +103,11 @@ impl Footprints {
         let foot: [f64; 2] =
             [0, 1].map(|axis| middle * tangent[axis] - load.distance * load.normal[axis]);
         let first: [isize; 2] = [0, 1].map(|axis| {
-            let at = 0.5 + foot[axis] + FIT.advance * load.normal[axis];
-            let rows_at_hand = if self.narrow && axis == 1 { 2 } else { BOX };
-            (at - 0.5 * (rows_at_hand as f64 - 1.0) + 1e-9).floor() as isize
+            let at = 0.5 + foot[axis] + advance * load.normal[axis];
+            let cells = if self.narrow && axis == 1 { 2 } else { BOX };
+            let first = (at - 0.5 * (cells as f64 - 1.0) + 1e-9).floor() as isize;
+            // The surface's own cell is always in it.
+            first.clamp(1 - cells as isize, 0)
         });
         let size = [BOX, if self.narrow { 2 } else { BOX }];
         let within = |cell: [usize; 2]| {

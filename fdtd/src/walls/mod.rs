@@ -14,6 +14,7 @@
 mod aperture;
 mod branches;
 mod clip;
+mod commensurate;
 mod cut;
 mod faces;
 mod fit;

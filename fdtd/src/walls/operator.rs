@@ -81,9 +81,13 @@ impl WallOperator {
         dt_s: f64,
         characteristic_pasm: f64,
     ) -> Self {
+        let rows_of = |walls: &WallCells| -> Box<dyn Fn([usize; 2]) -> Row> {
+            let operator = Self::new(walls, weights, polynomial, radius);
+            Box::new(operator.rows(walls.clone(), weights, polynomial, radius))
+        };
         let surfaces = surfaces(
             walls,
-            &self.rows(walls, weights, polynomial, radius),
+            &rows_of,
             polynomial,
             radius,
             dt_s,
@@ -94,13 +98,13 @@ impl WallOperator {
     }
 
     /// Rows of the operator over the Courant number squared, of cells that hold air.
-    fn rows<'a>(
-        &'a self,
-        walls: &'a WallCells,
+    pub(super) fn rows(
+        self,
+        walls: WallCells,
         weights: &Weights,
         polynomial: &Polynomial,
         radius: usize,
-    ) -> impl Fn([usize; 2]) -> Row + 'a {
+    ) -> impl Fn([usize; 2]) -> Row + use<> {
         let plain = Patch::open().operator_row(weights);
         let (reach, linear) = (radius as isize, polynomial.linear);
         move |[ix, iy]| {

@@ -23,10 +23,11 @@
 use super::WallCells;
 use super::aperture::{Aperture, Apertures};
 use super::branches::Branches;
+use super::commensurate::{self, RowsOf};
 use super::fit::{Reduced, Remainder, reduce};
-use super::footprint::Footprints;
+use super::footprint::{ADVANCE, Footprints};
 use super::impedance::Impedance;
-use super::inertance::{Row, slanted_masses};
+use super::inertance::slanted_masses;
 use super::openings::Load;
 use super::spring::{Piece, least_masses};
 use crate::scheme::Polynomial;
@@ -73,10 +74,10 @@ const LEAST_BESIDE: f64 = 0.5;
 pub(super) const LEAST_SLOPE: f64 = 0.95;
 
 /// The surfaces of `walls` by row for a stencil of a radius, for the Courant number of `polynomial`, steps of `dt_s` and the characteristic impedance
-/// `rho c` of the air in Pa s/m, on a field whose operator has `rows`.
+/// `rho c` of the air in Pa s/m, on a field whose operator has the rows of `rows_of`.
 pub(super) fn surfaces(
     walls: &WallCells,
-    rows_of: &dyn Fn([usize; 2]) -> Row,
+    rows_of: RowsOf<'_>,
     polynomial: &Polynomial,
     radius: usize,
     dt_s: f64,
@@ -103,7 +104,7 @@ pub(super) fn surfaces(
         } else {
             // Its mass is known when all have their cells.
             before.push((0.0, (None, &nothing)));
-            footprints.at(walls, load)
+            footprints.at(walls, load, ADVANCE)
         };
         pieces.push(Piece {
             cell: load.cell,
@@ -111,8 +112,13 @@ pub(super) fn surfaces(
             reach,
         });
     }
-    for (index, mass) in slanted_masses(walls, rows_of, &pieces) {
+    let operator = rows_of(walls);
+    for (index, mass) in slanted_masses(walls, &*operator, &pieces, |_| true) {
         before[index].0 = mass;
+    }
+    for better in commensurate::better(walls, rows_of, polynomial, &footprints) {
+        before[better.index].0 = better.mass;
+        pieces[better.index].reach = better.reach;
     }
     let least = least_masses(walls, polynomial, &pieces);
     let area = |[ix, iy]: [usize; 2]| {

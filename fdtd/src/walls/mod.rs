@@ -9,7 +9,8 @@
 //!   which of these;
 //! * `surface`: what surfaces of an impedance do to the field; `aperture` (with `half_line`) and `footprint`: through which cells, before walls along
 //!   the axes and others;
-//!   `inertance`, `spring`: with how much mass; `slant`: what the operator does differently in cells that slanted ones cut.
+//!   `inertance`, `spring`: with how much mass; `commensurate`: both by an exact analysis where a wall repeats
+//!   along itself; `slant`: what the operator does differently in cells that slanted ones cut.
 
 mod aperture;
 mod branches;

@@ -2,7 +2,7 @@
 //!
 //! A wall whose slope is a ratio of small whole numbers cuts the cells in the same few ways along its whole length. What it reflects is then known
 //! exactly ([`strip`]), as it is before walls along the axes, and weights and masses can be searched for as there ([`super::aperture`]): all pieces of
-//! a period together, by least squares of the errors' squares, from what [`super::footprint`] and [`super::inertance`] give. Along other walls the
+//! a period together, so that the eighth powers of the errors are least, from what [`super::footprint`] and [`super::inertance`] give. Along other walls the
 //! pieces differ from place to place, and those two have the last word; so they have at ends and corners.
 
 mod pieces;

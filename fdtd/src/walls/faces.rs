@@ -3,7 +3,7 @@
 use super::clip::{Convex, open_face};
 use super::{Load, SolidMask, Wall, WallCells, rasterize};
 use crate::grid::Grid;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Distance in cell widths from a cell's middle to its corners: walls farther away do not cut it.
 const FARTHEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
@@ -13,6 +13,8 @@ pub(super) struct Openings<'a> {
     pub(super) solid: &'a SolidMask,
     pub(super) near: &'a BTreeMap<usize, Vec<&'a Convex>>,
     pub(super) areas: &'a BTreeMap<usize, f64>,
+    /// Solid cells that hold a little air.
+    pub(super) slivers: &'a BTreeSet<usize>,
 }
 
 impl Openings<'_> {
@@ -28,6 +30,20 @@ impl Openings<'_> {
     pub(super) fn face(&self, axis: usize, ix: isize, iy: isize) -> f64 {
         let other = [(ix - 1, iy), (ix, iy - 1)][axis];
         if self.area(ix, iy) == 0.0 || self.area(other.0, other.1) == 0.0 {
+            return 0.0;
+        }
+        self.shaped_face(axis, ix, iy)
+    }
+
+    /// The same by the shapes alone: faces to slivers are not closed for their sake.
+    fn shaped_face(&self, axis: usize, ix: isize, iy: isize) -> f64 {
+        let other = [(ix - 1, iy), (ix, iy - 1)][axis];
+        let is_sliver = |x: isize, y: isize| {
+            let cell = self.solid.index(x, y);
+            cell.is_some_and(|cell| self.slivers.contains(&cell))
+        };
+        let closed = |x: isize, y: isize| self.area(x, y) == 0.0 && !is_sliver(x, y);
+        if closed(ix, iy) || closed(other.0, other.1) {
             return 0.0;
         }
         let (Some(here), Some(there)) =
@@ -80,9 +96,10 @@ impl Openings<'_> {
                 (cell % self.solid.nx) as isize,
                 (cell / self.solid.nx) as isize,
             );
-            // Closed parts, positive where the wall is on the side of higher coordinates: the surface's length times its normal.
-            let mut closed = [0.0_f64; 2];
-            for (axis, closed) in closed.iter_mut().enumerate() {
+            // Closed parts, positive where the wall is on the side of higher coordinates: the surface's length times its normal. Those by shape
+            // are without the slivers' surface, which is added to that of the cells beside them.
+            let (mut closed, mut shaped) = ([0.0_f64; 2], [0.0_f64; 2]);
+            for (axis, (closed, shaped)) in closed.iter_mut().zip(&mut shaped).enumerate() {
                 let next = [(ix + 1, iy), (ix, iy + 1)][axis];
                 let part = self.face(axis, ix, iy) - self.face(axis, next.0, next.1);
                 let step = if part > 0.0 { 1 } else { -1 };
@@ -93,13 +110,18 @@ impl Openings<'_> {
                     .is_some_and(|cell| self.solid.cells[cell] && !soft.contains_key(&cell));
                 if !rigid {
                     *closed = part;
+                    *shaped =
+                        self.shaped_face(axis, ix, iy) - self.shaped_face(axis, next.0, next.1);
                 }
             }
-            let length = closed[0].hypot(closed[1]);
-            if length == 0.0 {
+            let along = if shaped == [0.0; 2] { closed } else { shaped };
+            let along_length = along[0].hypot(along[1]);
+            let normal = along.map(|part| -part / along_length);
+            let length = -(closed[0] * normal[0] + closed[1] * normal[1]);
+            // Nothing closed, or nothing but the side of a sliver that looks the other way.
+            if !(length > 0.0) {
                 return None;
             }
-            let normal = closed.map(|part| -part / length);
             let distance = if self.near.contains_key(&cell) {
                 let centre_m = [ix, iy].map(|at| (at as f64 + 0.5) * grid.dx_m);
                 (wall.distance_m(centre_m) / grid.dx_m).clamp(-FARTHEST, FARTHEST)
@@ -169,6 +191,7 @@ pub(super) fn staircase(grid: &Grid, walls: &[Wall]) -> WallCells {
         solid: &solid,
         near: &BTreeMap::new(),
         areas: &BTreeMap::new(),
+        slivers: &BTreeSet::new(),
     };
     let loads = open.loads(grid, walls, &soft);
     WallCells::from(solid).with_loads(loads)

@@ -38,14 +38,23 @@ const FIT: Fit = Fit {
     change: [-0.05, 0.04],
 };
 
-/// How far before the wall the box's middle lies, in cell widths.
-pub(super) const ADVANCE: f64 = 0.5;
+/// The box of cells before a piece of surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Frame {
+    /// How far before the wall its middle lies, in cell widths.
+    pub(super) advance: f64,
+    /// Cells along and across it.
+    pub(super) cells: usize,
+}
+
+/// That of walls of any slope.
+pub(super) const FRAME: Frame = Frame {
+    advance: 0.5,
+    cells: 3,
+};
 
 /// Where other walls leave few cells, weights whose magnitudes sum to more are not worth the mass that they ask for.
 const MOST_WEIGHT: f64 = 3.0;
-
-/// Cells along and across the box.
-const BOX: usize = 3;
 
 /// A plane wave and its mirror image before a rigid wall.
 struct Wave {
@@ -78,9 +87,15 @@ impl Footprints {
         }
     }
 
-    /// Weights of cells for a piece of surface, of a box whose middle lies `advance` before the wall.
-    pub(super) fn at(&self, walls: &WallCells, load: &Load, advance: f64) -> Reach {
-        let places = self.places(walls, load, advance);
+    /// Weights of cells for a piece of surface, of a box; with those of a `column`, if given, in no other rows.
+    pub(super) fn at(
+        &self,
+        walls: &WallCells,
+        load: &Load,
+        frame: Frame,
+        column: Option<&Reach>,
+    ) -> Reach {
+        let places = self.places(walls, load, frame, column);
         let waves = self.waves(load.normal);
         let mut ridge = FIT.ridge;
         loop {
@@ -95,7 +110,14 @@ impl Footprints {
     }
 
     /// The cells of the box that no other wall hides from the surface.
-    fn places(&self, walls: &WallCells, load: &Load, advance: f64) -> Vec<Place> {
+    fn places(
+        &self,
+        walls: &WallCells,
+        load: &Load,
+        frame: Frame,
+        column: Option<&Reach>,
+    ) -> Vec<Place> {
+        let size = [frame.cells, if self.narrow { 2 } else { frame.cells }];
         let [nx, ny] = load.normal;
         let tangent = [ny, -nx];
         let middle = middle(load);
@@ -103,20 +125,28 @@ impl Footprints {
         let foot: [f64; 2] =
             [0, 1].map(|axis| middle * tangent[axis] - load.distance * load.normal[axis]);
         let first: [isize; 2] = [0, 1].map(|axis| {
-            let at = 0.5 + foot[axis] + advance * load.normal[axis];
-            let cells = if self.narrow && axis == 1 { 2 } else { BOX };
+            let at = 0.5 + foot[axis] + frame.advance * load.normal[axis];
+            let cells = size[axis];
             let first = (at - 0.5 * (cells as f64 - 1.0) + 1e-9).floor() as isize;
-            // The surface's own cell is always in it.
-            first.clamp(1 - cells as isize, 0)
+            // The surface's own cell is always in it, or the rows of a column.
+            let taken = column.into_iter().flat_map(Reach::keys);
+            let taken = taken.map(|cell| cell[axis] as isize - load.cell[axis] as isize);
+            let [low, high] = match (axis, taken.clone().min(), taken.max()) {
+                (1, Some(low), Some(high)) => [low, high],
+                _ => [0, 0],
+            };
+            first.clamp(low.min(high + 1 - cells as isize), low)
         });
-        let size = [BOX, if self.narrow { 2 } else { BOX }];
         let within = |cell: [usize; 2]| {
             [0, 1].into_iter().all(|axis| {
                 let offset = cell[axis] as isize - load.cell[axis] as isize - first[axis];
                 (0..size[axis] as isize).contains(&offset)
             })
         };
-        let mut cells = vec![load.cell];
+        let mut cells: Vec<[usize; 2]> = match column {
+            Some(column) => column.keys().copied().collect(),
+            None => vec![load.cell],
+        };
         let mut next = 0;
         while next < cells.len() {
             for (axis, side) in [(0, -1), (0, 1), (1, -1), (1, 1)] {

@@ -15,6 +15,7 @@
 mod aperture;
 mod branches;
 mod clip;
+mod column;
 mod commensurate;
 mod cut;
 mod faces;

@@ -90,7 +90,7 @@ pub(super) type Slants = BTreeMap<usize, Slant>;
 const WHOLLY_DEG: f64 = 20.0;
 
 /// How much of it is done where an edge has this cosine between normal and axis.
-fn share(cosine: f64) -> f64 {
+pub(super) fn share(cosine: f64) -> f64 {
     let degrees = |cosine: f64| cosine.min(1.0).acos().to_degrees();
     let first = degrees(LEAST_SLOPE);
     ((degrees(cosine) - first) / (WHOLLY_DEG - first)).clamp(0.0, 1.0)

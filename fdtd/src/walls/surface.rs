@@ -21,14 +21,16 @@
 //! face.
 
 use super::WallCells;
-use super::aperture::{Aperture, Apertures};
+use super::aperture::Apertures;
 use super::branches::Branches;
+use super::column::Column;
 use super::commensurate::{self, RowsOf};
 use super::fit::{Reduced, Remainder, reduce};
-use super::footprint::{ADVANCE, Footprints};
+use super::footprint::{FRAME, Footprints};
 use super::impedance::Impedance;
 use super::inertance::slanted_masses;
 use super::openings::Load;
+use super::slant::share;
 use super::spring::{Piece, least_masses};
 use crate::scheme::Polynomial;
 use std::collections::BTreeMap;
@@ -67,10 +69,7 @@ impl Surface {
     }
 }
 
-/// Cells beside a surface need so much of the air of the first cell to take part along it: small ones would ask for more mass than is there.
-const LEAST_BESIDE: f64 = 0.5;
-
-/// Cosine of the angle between a wall's normal and the axis up to which columns of cells serve it; beyond 18 degrees boxes do.
+/// Cosine of the angle between a wall's normal and the axis up to which nothing but columns of cells serve it; beyond 18 degrees boxes come in.
 pub(super) const LEAST_SLOPE: f64 = 0.95;
 
 /// The surfaces of `walls` by row for a stencil of a radius, for the Courant number of `polynomial`, steps of `dt_s` and the characteristic impedance
@@ -91,30 +90,20 @@ pub(super) fn surfaces(
     let footprints = Footprints::new(polynomial);
     let courant = polynomial.courant;
     let nothing = Remainder::none(apertures.edge());
-    let mut pieces = Vec::with_capacity(walls.loads().len());
-    // Mass before each piece, and what is left of its errors, by a number that tells it from others.
-    let mut before = Vec::with_capacity(walls.loads().len());
+    let (mut pieces, mut before) = (Vec::new(), Vec::new());
     for load in walls.loads() {
-        let reach = if load.nearest_axis().1 > LEAST_SLOPE {
-            let column = Column::of(walls, load);
-            let aperture = apertures.at(column.open, column.slope);
-            let (place, remainder) = apertures.remainder(column.open);
-            before.push((aperture.mass, (Some(place), remainder)));
-            column.reach(walls, &aperture)
-        } else {
-            // Its mass is known when all have their cells.
-            before.push((0.0, (None, &nothing)));
-            footprints.at(walls, load, ADVANCE)
-        };
+        let usual = Usual::of(walls, load, &apertures, &footprints);
+        before.push((usual.mass, usual.left));
         pieces.push(Piece {
             cell: load.cell,
             length: load.length,
-            reach,
+            reach: usual.reach,
         });
     }
     let operator = rows_of(walls);
     for (index, mass) in slanted_masses(walls, &*operator, &pieces, |_| true) {
-        before[index].0 = mass;
+        let share = share(walls.loads()[index].nearest_axis().1);
+        before[index].0 += share * (mass - before[index].0);
     }
     for better in commensurate::better(walls, rows_of, polynomial, &footprints) {
         before[better.index].0 = better.mass;
@@ -130,13 +119,19 @@ pub(super) fn surfaces(
     let mut memory = 0;
     for (index, load) in walls.loads().iter().enumerate() {
         let reach = &pieces[index].reach;
-        let (usual, (place, remainder)) = before[index];
+        let (usual, left) = before[index];
         let mass = usual.max(least[index]) / courant;
+        let (place, remainder) = left.unzip();
         let key = (&load.impedance, place);
         let at = known.iter().position(|(of, _)| *of == key);
         let at = at.unwrap_or_else(|| {
             let branches = load.impedance.branches();
-            let reduced = reduce(&branches, characteristic_pasm, dt_s, remainder);
+            let reduced = reduce(
+                &branches,
+                characteristic_pasm,
+                dt_s,
+                remainder.unwrap_or(&nothing),
+            );
             known.push((key, reduced));
             known.len() - 1
         });
@@ -175,87 +170,56 @@ pub(super) fn surfaces(
     rows
 }
 
+/// A piece of surface as walls of its slope have it.
+struct Usual<'a> {
+    reach: Reach,
+    /// Mass as before a column of cells, if one takes part.
+    mass: f64,
+    /// The place of the wall in a cell and what is left of the errors there, where nothing but a column takes part.
+    left: Option<(usize, &'a Remainder)>,
+}
+
+impl<'a> Usual<'a> {
+    fn of(
+        walls: &WallCells,
+        load: &Load,
+        apertures: &'a Apertures,
+        footprints: &Footprints,
+    ) -> Self {
+        let share = share(load.nearest_axis().1);
+        if share == 1.0 {
+            return Self {
+                reach: footprints.at(walls, load, FRAME, None),
+                mass: 0.0,
+                left: None,
+            };
+        }
+        let column = Column::of(walls, load);
+        let aperture = apertures.at(column.open, column.slope);
+        let reach = column.reach(walls, &aperture);
+        if share == 0.0 {
+            return Self {
+                reach,
+                mass: aperture.mass,
+                left: Some(apertures.remainder(column.open)),
+            };
+        }
+        // A part of both, as the operator has a part of what slanted walls ask for.
+        let mut mixed = footprints.at(walls, load, FRAME, Some(&reach));
+        mixed.values_mut().for_each(|weight| *weight *= share);
+        for (cell, weight) in reach {
+            *mixed.entry(cell).or_default() += (1.0 - share) * weight;
+        }
+        Self {
+            reach: mixed,
+            mass: aperture.mass,
+            left: None,
+        }
+    }
+}
+
 /// What branches are fitted to: the impedance, and the place of the wall where columns of cells serve it.
 type Fitted<'a> = (&'a Impedance, Option<usize>);
 
 /// Weights of cells by column and row.
 pub(super) type Reach = BTreeMap<[usize; 2], f64>;
-
-/// The cells before a surface along the axis nearest to its normal.
-struct Column {
-    /// First cell that holds air.
-    first: [usize; 2],
-    axis: usize,
-    /// Way from the wall into the air along the axis, 1 or -1.
-    inward: isize,
-    /// Cosine of the angle between axis and normal.
-    slope: f64,
-    /// Open part of the first cell, along the axis through its middle.
-    open: f64,
-}
-
-impl Column {
-    fn of(walls: &WallCells, load: &Load) -> Self {
-        let (axis, slope) = load.nearest_axis();
-        let inward = if load.normal[axis] > 0.0 { 1 } else { -1 };
-        let [nx, ny] = walls.size();
-        let air = |[x, y]: [isize; 2]| {
-            let inside = x >= 0 && y >= 0 && (x as usize) < nx && (y as usize) < ny;
-            inside && walls.opening(x, y).is_some()
-        };
-        let own = load.cell.map(|at| at as isize);
-        let mut place = own;
-        let mut open = 0.5 + load.distance / slope;
-        // The cell that holds the wall where the line through the cells' middles meets it.
-        if open > 1.0 {
-            let mut outward = place;
-            outward[axis] -= inward;
-            if air(outward) {
-                (place, open) = (outward, open - 1.0);
-            }
-        }
-        if open <= 0.0 {
-            place[axis] += inward;
-            open += 1.0;
-        }
-        let place = if air(place) { place } else { own };
-        Self {
-            first: place.map(|at| at as usize),
-            axis,
-            inward,
-            slope,
-            open: open.clamp(0.0, 1.0),
-        }
-    }
-
-    /// The cells that the surface samples and takes its flow from. Where another wall comes between, fewer.
-    fn reach(&self, walls: &WallCells, aperture: &Aperture) -> Reach {
-        let mut cells = vec![self.first];
-        while let Some(next) = (cells.len() < 3)
-            .then(|| walls.beside(cells[cells.len() - 1], self.axis, self.inward))
-            .flatten()
-        {
-            cells.push(next);
-        }
-        let mut weights = aperture.weights;
-        // What cells that are not there should have done is left to the last one that is.
-        for missing in (cells.len()..3).rev() {
-            weights[missing - 1] += weights[missing];
-        }
-        let mut reach: Reach = cells.iter().copied().zip(weights).collect();
-        let area = |[ix, iy]: [usize; 2]| {
-            let opening = walls.opening(ix as isize, iy as isize);
-            opening.map_or(0.0, |opening| opening.area)
-        };
-        for side in [-1, 1] {
-            if let Some(cell) = walls.beside(self.first, 1 - self.axis, side)
-                && area(cell) >= LEAST_BESIDE * area(self.first)
-            {
-                *reach.entry(self.first).or_default() -= aperture.along;
-                *reach.entry(cell).or_default() += aperture.along;
-            }
-        }
-        reach.retain(|_, weight| *weight != 0.0);
-        reach
-    }
-}

@@ -11,7 +11,7 @@ mod strip;
 
 use self::pieces::{Pieces, Taps};
 use self::strip::Strip;
-use super::footprint::Footprints;
+use super::footprint::{FRAME, Footprints, Frame};
 use super::inertance::{Row, slanted_masses};
 use super::openings::Load;
 use super::spring::Piece;
@@ -19,21 +19,25 @@ use super::surface::{LEAST_SLOPE, Reach};
 use super::{Impedance, Wall, WallCells, cut};
 use crate::grid::Grid;
 use crate::scheme::Polynomial;
+use rayon::prelude::*;
 use std::cell::OnceCell;
 
 /// Largest number in the ratio of a simple slope.
 const MOST: isize = 3;
 
 /// How far the slope of a wall may be off, in radians; and its place in the cells, in cell widths, which on a wall of some hundred cells that is less.
-const SLOPE_OFF: f64 = 1e-5;
+const SLOPE_OFF: f64 = 1e-4;
 const PLACE_OFF: f64 = 5e-3;
 
-/// Rounds of the search with each of [`ADVANCES`], and more with the best of them.
+/// Rounds of the search from each start, and more from the best of them.
 const FIRST_ROUNDS: usize = 25;
 const ROUNDS: usize = 40;
 
-/// How far before the wall the boxes' middles may lie, in cell widths.
-const ADVANCES: [f64; 3] = [0.5, 0.8, 1.2];
+/// How far before the wall the boxes' middles may lie, in cell widths: the search has one minimum for each, and some are bad.
+const ADVANCES: [f64; 6] = [0.2, 0.5, 0.8, 1.0, 1.2, 1.5];
+
+/// What may be left of what is made small: one error of 0.027, or more and smaller ones.
+const ENOUGH: f64 = 10.0;
 
 /// Around so many cells to each side walls must be as those of the endless wall.
 const ALIKE: isize = 3;
@@ -70,16 +74,17 @@ pub(super) fn better(
         else {
             continue;
         };
-        let at = known.iter().position(|wall| wall.place(load).is_some());
+        let place = |wall: &Endless| {
+            let place = wall.place(load);
+            place.filter(|&place| wall.is_alike(walls, load, place))
+        };
+        let at = known.iter().position(|wall| place(wall).is_some());
         let at = at.unwrap_or_else(|| {
             known.push(Endless::new(load, period));
             known.len() - 1
         });
         let wall = &known[at];
-        let place = wall
-            .place(load)
-            .filter(|&place| wall.is_alike(walls, load, place));
-        found.extend(place.and_then(|place| {
+        found.extend(place(wall).and_then(|place| {
             let solution = wall.solution(rows_of, polynomial, footprints);
             let (taps, mass) = solution.get(place)?;
             let cell = |axis: usize, offset: isize| load.cell[axis].checked_add_signed(offset);
@@ -176,13 +181,13 @@ impl Endless {
         rows.all(|dy| around.clone().all(|dx| alike(dx, dy)))
     }
 
-    /// The period's pieces with weights and masses as other walls have them, of boxes that lie `advance` before the wall.
+    /// The period's pieces with weights and masses as other walls have them, but of other boxes.
     fn start(
         &self,
         rows: &dyn Fn([usize; 2]) -> Row,
         polynomial: &Polynomial,
         footprints: &Footprints,
-        advance: f64,
+        frame: Frame,
     ) -> Pieces {
         let walls = &self.walls;
         let wall = (self.normal, self.distance);
@@ -197,7 +202,7 @@ impl Endless {
         let piece = |load: &Load| Piece {
             cell: load.cell,
             length: load.length,
-            reach: footprints.at(walls, load, advance),
+            reach: footprints.at(walls, load, frame, None),
         };
         let all: Vec<Piece> = walls.loads().iter().map(piece).collect();
         let own = |index: usize| self.pieces.contains(&index);
@@ -217,19 +222,34 @@ impl Endless {
     ) -> &[Taps] {
         self.solution.get_or_init(|| {
             let rows = rows_of(&self.walls);
-            let first = ADVANCES.into_iter().map(|advance| {
-                let mut pieces = self.start(&*rows, polynomial, footprints, advance);
-                pieces.search(FIRST_ROUNDS);
-                pieces
-            });
-            let best = first.min_by(|a, b| a.loss().total_cmp(&b.loss()));
-            let best = best.map(|mut best| {
-                best.search(ROUNDS);
-                best.found()
-            });
-            best.unwrap_or_default()
+            let search = |cells: usize| {
+                let frames = ADVANCES.map(|advance| Frame { advance, cells });
+                let start = |frame| self.start(&*rows, polynomial, footprints, frame);
+                best(frames.map(start).into())
+            };
+            let mut found = search(FRAME.cells);
+            // Rows of the widest stencil reach one cell more.
+            if polynomial.cube != 0.0 && found.loss() > ENOUGH {
+                let wider = search(FRAME.cells + 1);
+                if wider.loss() < found.loss() {
+                    found = wider;
+                }
+            }
+            found.found()
         })
     }
+}
+
+/// What is found from the best of some starts.
+fn best(mut starts: Vec<Pieces>) -> Pieces {
+    starts.dedup_by(|one, other| one.has_cells_of(other));
+    starts
+        .par_iter_mut()
+        .for_each(|pieces| pieces.search(FIRST_ROUNDS));
+    starts.sort_by(|a, b| a.loss().total_cmp(&b.loss()));
+    let mut best = starts.swap_remove(0);
+    best.search(ROUNDS);
+    best
 }
 
 /// The wall beyond a line whose normal points into the air, on a grid whose middle cell has its middle at `distance` from it.
@@ -319,7 +339,7 @@ mod tests {
             footprints: &Footprints,
         ) -> [f64; 2] {
             let rows = rows_of(&self.walls);
-            let before = self.start(&*rows, polynomial, footprints, ADVANCES[0]);
+            let before = self.start(&*rows, polynomial, footprints, FRAME);
             let solution = self.solution(rows_of, polynomial, footprints);
             let pieces = self
                 .pieces

@@ -122,6 +122,11 @@ impl Pieces {
         pieces
     }
 
+    /// Whether the pieces take part in the same cells.
+    pub(super) fn has_cells_of(&self, other: &Self) -> bool {
+        self.offsets == other.offsets
+    }
+
     /// Weights and masses with small errors, after some rounds of search from where the last ones ended.
     pub(super) fn search(&mut self, rounds: usize) {
         self.found = least_squares(self.found.clone(), rounds, |x| self.residuals(x));

@@ -40,9 +40,10 @@ pub const RATIOS: [f64; 5] = [0.05, 0.2, 1.0, 5.0, 20.0];
 
 /// Tilts in degrees at which the mean over places is held to [`TOLERANCE`], and what the factor may be off in a single place at normal incidence and at
 /// 45 degrees.
-pub const SLANTS: [(f64, [f64; 2]); 5] = [
+pub const SLANTS: [(f64, [f64; 2]); 6] = [
     (3.0, [0.02, 0.02]),
     (10.0, [0.05, 0.05]),
+    (19.0, [0.03, 0.03]),
     (20.0, [0.03, 0.03]),
     (30.0, [0.03, 0.03]),
     (40.0, [0.065, 0.045]),
@@ -55,7 +56,7 @@ pub const TOLERANCE: f64 = 0.02;
 pub const SLOPES: [(f64, [f64; 2]); 3] = [
     (18.434_948_822_922, [0.02, 0.02]),
     (26.565_051_177_078, [0.02, 0.02]),
-    (45.0, [0.03, 0.03]),
+    (45.0, [0.02, 0.02]),
 ];
 
 /// By how much the echo of a rigid wall of one of [`SLOPES`] may be off its mean in any place.

@@ -30,7 +30,7 @@ pub(super) type Row = Vec<([isize; 2], f64)>;
 /// What is added to the masses in cell widths, by the angle between normal and axis in degrees: from errors of the reflection factor at 10 kHz with
 /// m13, o13 and d25, met at 0 and at 45 degrees ([`crate::validation::tilted_impedance`]). Up to the first angle and from the second on it is the
 /// same.
-const CHANGES: [(f64, f64); 2] = [(20.0, 0.013), (45.0, -0.0095)];
+const CHANGES: [(f64, f64); 2] = [(20.0, 0.020), (45.0, -0.0095)];
 
 /// Masses in cell widths of pieces of plane walls lie well within. Where other walls are near, the pressure may be anything (in a pocket that is cut
 /// off from the rim nothing determines it), and the mass stays within.

@@ -8,6 +8,8 @@
 mod pieces;
 mod search;
 mod strip;
+#[cfg(test)]
+mod tests;
 
 use self::pieces::{Pieces, Taps};
 use self::strip::Strip;
@@ -277,102 +279,4 @@ fn half_plane([nx, ny]: [f64; 2], distance: f64) -> WallCells {
         impedance: Some(Impedance::Real(1.0)),
     };
     cut(&grid, &[wall])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scheme::Scheme;
-    use crate::walls::operator::WallOperator;
-
-    /// Walls of slopes 1 to 1, 1 to 2 and 1 to 3, to all sides: the errors up to 11 kHz and 70 degrees, as the analysis has them, are small, and half of
-    /// those with the weights and masses of other walls at most.
-    #[test]
-    fn walls_of_a_simple_slope_reflect_as_they_should() {
-        let courant = 340.0 / 120e3 / 0.005;
-        let polynomial = Scheme::O13.polynomial(courant);
-        let weights = Scheme::O13.weights(courant);
-        let rows_of = |walls: &WallCells| -> Box<dyn Fn([usize; 2]) -> Row> {
-            let operator = WallOperator::new(walls, &weights, &polynomial, 2);
-            Box::new(operator.rows(walls.clone(), &weights, &polynomial, 2))
-        };
-        let footprints = Footprints::new(&polynomial);
-        let slopes = [
-            [1.0, 1.0],
-            [-1.0, 1.0],
-            [2.0, -1.0],
-            [-1.0, -2.0],
-            [1.0, -3.0],
-        ];
-        for (normal, distance) in slopes.into_iter().zip([0.2, 0.3, -0.1, 0.05, 0.25]) {
-            let length = f64::hypot(normal[0], normal[1]);
-            let normal = normal.map(|part| part / length);
-            let load = Load {
-                impedance: Impedance::Real(1.0),
-                length: 1.0,
-                cell: [HALF; 2],
-                normal,
-                distance,
-            };
-            let step = period(normal).expect("a simple slope");
-            let wall = Endless::new(&load, step);
-            let [before, after] = wall.worst(&rows_of, &polynomial, &footprints);
-            assert!(
-                after < 0.035 && after < 0.5 * before,
-                "{normal:?}: {before} {after}"
-            );
-            // A piece of the endless wall is one of it, and a place nearer to the wall is not.
-            let own = &wall.walls.loads()[wall.pieces[0]];
-            assert_eq!(wall.place(own), Some(0));
-            assert!(wall.is_alike(&wall.walls, own, 0));
-            assert!(!wall.is_alike(&half_plane(normal, distance - 0.05), own, 0));
-        }
-        assert_eq!(period([0.6, 0.8]), None);
-    }
-
-    impl Endless {
-        /// The largest errors with the weights and masses of other walls, and with its own.
-        fn worst(
-            &self,
-            rows_of: RowsOf<'_>,
-            polynomial: &Polynomial,
-            footprints: &Footprints,
-        ) -> [f64; 2] {
-            let rows = rows_of(&self.walls);
-            let before = self.start(&*rows, polynomial, footprints, FRAME);
-            let solution = self.solution(rows_of, polynomial, footprints);
-            let pieces = self
-                .pieces
-                .iter()
-                .zip(solution)
-                .map(|(&index, (taps, mass))| {
-                    let load = &self.walls.loads()[index];
-                    let cell =
-                        |axis: usize, offset: isize| load.cell[axis].strict_add_signed(offset);
-                    let reach = taps
-                        .iter()
-                        .map(|&([dx, dy], weight)| ([cell(0, dx), cell(1, dy)], weight));
-                    let piece = Piece {
-                        cell: load.cell,
-                        length: load.length,
-                        reach: reach.collect(),
-                    };
-                    (piece, *mass)
-                });
-            let pieces: Vec<(Piece, f64)> = pieces.collect();
-            let after: Vec<(&Piece, f64)> =
-                pieces.iter().map(|(piece, mass)| (piece, *mass)).collect();
-            let wall = (self.normal, self.distance);
-            let strip = Strip::new(
-                &self.walls,
-                &*rows,
-                polynomial,
-                wall,
-                self.period,
-                [HALF as isize; 2],
-            );
-            let after = Pieces::new(&self.walls, &strip, polynomial, &after);
-            [before.worst(), after.worst()]
-        }
-    }
 }

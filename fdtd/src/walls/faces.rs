@@ -116,10 +116,13 @@ impl Openings<'_> {
             }
             let along = if shaped == [0.0; 2] { closed } else { shaped };
             let along_length = along[0].hypot(along[1]);
+            if along_length == 0.0 {
+                return None;
+            }
             let normal = along.map(|part| -part / along_length);
             let length = -(closed[0] * normal[0] + closed[1] * normal[1]);
-            // Nothing closed, or nothing but the side of a sliver that looks the other way.
-            if !(length > 0.0) {
+            if length <= 0.0 {
+                // Nothing but the side of a sliver that looks the other way.
                 return None;
             }
             let distance = if self.near.contains_key(&cell) {

@@ -234,7 +234,7 @@ fn faces_of_cut_cells_keep_the_spectrum_and_rows_sum_to_zero() {
     let cells = cut(&GRID, &[wall]);
     for (cell, opening) in cells.partial() {
         assert!(
-            (1.0 / 256.0..=1.0).contains(&opening.area),
+            (1.0 / 4096.0..=1.0).contains(&opening.area),
             "{cell}: {opening:?}"
         );
         for face in [opening.west, opening.south] {

@@ -23,6 +23,7 @@ use crate::grid::Grid;
 use crate::scheme::Polynomial;
 use rayon::prelude::*;
 use std::cell::OnceCell;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Largest number in the ratio of a simple slope.
 const MOST: isize = 3;
@@ -121,7 +122,7 @@ struct Endless {
     /// Places of one period's pieces in the list of the wall's.
     pieces: Vec<usize>,
     /// Their cells by offset with weights, and their masses in cell widths, once they are asked for.
-    solution: OnceCell<Vec<Taps>>,
+    solution: OnceCell<Arc<Vec<Taps>>>,
 }
 
 impl Endless {
@@ -223,6 +224,10 @@ impl Endless {
         footprints: &Footprints,
     ) -> &[Taps] {
         self.solution.get_or_init(|| {
+            let key = (*polynomial, self.normal, self.distance);
+            if let Some(known) = recalled(&key) {
+                return known;
+            }
             let rows = rows_of(&self.walls);
             let search = |cells: usize| {
                 let frames = ADVANCES.map(|advance| Frame { advance, cells });
@@ -237,9 +242,36 @@ impl Endless {
                     found = wider;
                 }
             }
-            found.found()
+            let found = Arc::new(found.found());
+            remember(key, Arc::clone(&found));
+            found
         })
     }
+}
+
+/// What a solution depends on: the scheme at its Courant number, and the wall's normal and place.
+type Key = (Polynomial, [f64; 2], f64);
+
+/// Solutions of this process: a sweep over impedances asks for the same ones again and again, and each takes as long as a small simulation.
+static SOLUTIONS: Mutex<Vec<(Key, Arc<Vec<Taps>>)>> = Mutex::new(Vec::new());
+
+/// How many solutions are kept.
+const KEPT: usize = 1000;
+
+/// The solution of a key, if it is known. Nobody waits for another who is at it: it may be the same thread, further up.
+fn recalled(key: &Key) -> Option<Arc<Vec<Taps>>> {
+    let known = SOLUTIONS.lock().unwrap_or_else(PoisonError::into_inner);
+    let same = known.iter().find(|(other, _)| other == key);
+    same.map(|(_, solution)| Arc::clone(solution))
+}
+
+/// Keeps a solution, and forgets all others when they are too many.
+fn remember(key: Key, solution: Arc<Vec<Taps>>) {
+    let mut known = SOLUTIONS.lock().unwrap_or_else(PoisonError::into_inner);
+    if known.len() >= KEPT {
+        known.clear();
+    }
+    known.push((key, solution));
 }
 
 /// What is found from the best of some starts.

@@ -13,7 +13,7 @@ use crate::Error;
 use crate::field::FieldState;
 use crate::walls::Opening;
 
-const MAGIC: &str = "fdtd checkpoint 4";
+const MAGIC: &str = "fdtd checkpoint 5";
 
 /// FNV-1a over whole numbers: enough to tell inputs apart and to notice a damaged file.
 fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {

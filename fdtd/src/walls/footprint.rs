@@ -1,8 +1,9 @@
 //! Which cells before a slanted wall of an impedance take part in its reaction, and how much.
 //!
-//! A piece of surface samples the pressure in the cells of a box of three by three before its middle, and takes its flow from the same cells with the
-//! same weights, as walls along the axes do ([`super::aperture`]). In front of a rigid wall a plane wave is `cos(k d) exp(i h t)`, with the distance
-//! d from the wall, the place t along it, and the wave numbers k and h of the lattice. The weights are those that make of it, by least squares over
+//! A piece of surface samples the pressure in the cells of a box of three by three before its middle (before walls of a simple slope it may be four by
+//! four), and takes its flow from the same cells with the same weights, as walls along the axes do ([`super::aperture`]). In front of a rigid wall a
+//! plane wave is `cos(k d) exp(i h t)`, with the distance d from the wall, the place t along it, and the wave numbers k and h of the lattice. The
+//! weights are those that make of it, by least squares over
 //! waves of all angles up to 11 kHz on the papers' grid, what the exact factor asks for at the surface's middle:
 //!
 //! `c sqrt(v/(chi cos(angle)))`, `c = cos(omega dt/2)`, v the lattice's group velocity along the normal in cells per step.
@@ -124,17 +125,18 @@ impl Footprints {
         // From the middle of the surface's cell to that of the surface.
         let foot: [f64; 2] =
             [0, 1].map(|axis| middle * tangent[axis] - load.distance * load.normal[axis]);
+        let rows = column.map_or([0, 0], |column| {
+            let rows = column
+                .keys()
+                .map(|[_, y]| *y as isize - load.cell[1] as isize);
+            [rows.clone().min(), rows.max()].map(Option::unwrap_or_default)
+        });
         let first: [isize; 2] = [0, 1].map(|axis| {
             let at = 0.5 + foot[axis] + frame.advance * load.normal[axis];
             let cells = size[axis];
             let first = (at - 0.5 * (cells as f64 - 1.0) + 1e-9).floor() as isize;
-            // The surface's own cell is always in it, or the rows of a column.
-            let taken = column.into_iter().flat_map(Reach::keys);
-            let taken = taken.map(|cell| cell[axis] as isize - load.cell[axis] as isize);
-            let [low, high] = match (axis, taken.clone().min(), taken.max()) {
-                (1, Some(low), Some(high)) => [low, high],
-                _ => [0, 0],
-            };
+            // The surface's own cell is always in it, or all rows of the column.
+            let [low, high] = if axis == 1 { rows } else { [0, 0] };
             first.clamp(low.min(high + 1 - cells as isize), low)
         });
         let within = |cell: [usize; 2]| {

@@ -7,10 +7,9 @@
 //! * `openings`: what all of it gives to the field; [`operator`] (with `patch`): the field's rows near walls;
 //! * `impedance`: what the surface of a wall may be; `branches`: one of resistances, inertances and compliances, in steps; `fit` (with `linear`):
 //!   which of these;
-//! * `surface`: what surfaces of an impedance do to the field; `aperture` (with `half_line`) and `footprint`: through which cells, before walls along
-//!   the axes and others;
-//!   `inertance`, `spring`: with how much mass; `commensurate`: both by an exact analysis where a wall repeats
-//!   along itself; `slant`: what the operator does differently in cells that slanted ones cut.
+//! * `surface`: what surfaces of an impedance do to the field; `column` with `aperture` (and `half_line`), and `footprint`: through which cells, before
+//!   walls along the axes and others; `inertance`, `spring`: with how much mass; `commensurate`: both by an exact analysis where a wall repeats along
+//!   itself; `slant`: what the operator does differently in cells that slanted ones cut.
 
 mod aperture;
 mod branches;

@@ -4,28 +4,17 @@
 //! sorted by their world angle: under any heading those of one direction are a few runs of neighbours in that order, and
 //! drawing an image is a walk over the runs.
 
-use std::f64::consts::PI;
-use std::ops::Range;
-
 use ndarray::{Array2, ArrayView2};
 
+use crate::bearings::{Bearings, from_minus_pi};
 use crate::parameters::Parameters;
-use crate::pose::wrap_angle;
-
-/// Parts of the turn whose place in the order of angles is on file.
-const SECTORS: usize = 4096;
-
-/// Pixels that a search along the order of angles looks at together.
-const AT_ONCE: usize = 4;
 
 /// The pixels of a square window around the robot, in the order in which images are kept.
 #[derive(Debug, Clone)]
 pub struct Window {
     half_cells: usize,
-    /// Pixels with an echo, sorted by angle: world angle in (-pi, pi].
-    angles_rad: Vec<f64>,
-    /// For each of [`SECTORS`] equal parts of the turn, the first pixel with an angle in it or after it.
-    sectors: Vec<u32>,
+    /// Pixels with an echo, sorted by angle.
+    bearings: Bearings,
     /// Their delays in samples, eq. (5).
     delays: Vec<u32>,
     /// Offsets `[mx, my]` of all pixels: first those with an echo, then those too near or too far.
@@ -48,20 +37,14 @@ impl Window {
                 if range_m < parameters.min_range_m || delay >= parameters.delays() {
                     blind.push([mx, my]);
                 } else {
-                    near.push((y_m.atan2(x_m), delay as u32, [mx, my]));
+                    near.push((from_minus_pi(y_m.atan2(x_m)), delay as u32, [mx, my]));
                 }
             }
         }
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let angles_rad: Vec<f64> = near.iter().map(|pixel| pixel.0).collect();
-        let sectors = (0..SECTORS).map(|sector| {
-            let start_rad = 2.0 * PI * sector as f64 / SECTORS as f64 - PI;
-            angles_rad.partition_point(|&angle| angle < start_rad) as u32
-        });
         Self {
             half_cells,
-            sectors: sectors.collect(),
-            angles_rad,
+            bearings: Bearings::new(near.iter().map(|pixel| pixel.0).collect()),
             delays: near.iter().map(|pixel| pixel.1).collect(),
             offsets: near.iter().map(|pixel| pixel.2).chain(blind).collect(),
         }
@@ -91,7 +74,7 @@ impl Window {
     ///
     /// `image` has [`Self::len`] elements in the order of [`Self::offsets`].
     pub fn draw(&self, polar: ArrayView2<'_, f32>, heading_rad: f64, image: &mut [f32]) {
-        let lit = self.angles_rad.len();
+        let lit = self.bearings.len();
         image[lit..].fill(0.0);
         let Some(directions) = polar.nrows().checked_sub(1) else {
             return image.fill(0.0);
@@ -99,103 +82,27 @@ impl Window {
         if directions == 0 {
             return self.copy_run(&polar, 0, 0, lit, image);
         }
-        self.for_each_run(directions, heading_rad, |direction, run| {
-            self.copy_run(&polar, direction, run.start, run.end, image);
+        let mut borders = vec![0; 2 * directions];
+        self.bearings
+            .borders(directions, heading_rad, &mut borders);
+        self.bearings.for_each_arc(&borders, |direction, arc| {
+            self.copy_run(&polar, direction, arc.start, arc.end, image);
         });
     }
 
     /// Pixels with an echo; they come first in the order of the images.
     pub(crate) fn lit(&self) -> usize {
-        self.angles_rad.len()
+        self.bearings.len()
+    }
+
+    /// The pixels with an echo by the directions in which they are seen.
+    pub(crate) fn bearings(&self) -> &Bearings {
+        &self.bearings
     }
 
     /// Delays of the pixels with an echo, in samples.
     pub(crate) fn delays(&self) -> &[u32] {
         &self.delays
-    }
-
-    /// Calls `told` with the direction's index for all runs of neighbouring pixels that see one direction under a heading. The
-    /// runs follow one another and cover all pixels with an echo; there are at most [`most_runs`] of them.
-    pub(crate) fn for_each_run(
-        &self,
-        directions: usize,
-        heading_rad: f64,
-        mut told: impl FnMut(usize, Range<usize>),
-    ) {
-        let lit = self.lit();
-        let per_rad = directions as f64 / PI;
-        let heading_rad = wrap_angle(heading_rad);
-        let cut = |angle_rad: f64| self.place_of(angle_rad, |pixel_rad| pixel_rad < angle_rad);
-        let (ahead, opposite) = (cut(heading_rad), cut(wrap_angle(heading_rad + PI)));
-        // Ahead and astern the bearing turns around; between these cuts it is monotone, so a direction is one run. Each stretch has its end,
-        // its side (left is positive) and the turns by which its bearings differ from angle less heading.
-        let stretches = if heading_rad > 0.0 {
-            [(opposite, 1.0, 1.0), (ahead, -1.0, 0.0), (lit, 1.0, 0.0)]
-        } else {
-            [(ahead, -1.0, 0.0), (opposite, 1.0, 0.0), (lit, -1.0, -1.0)]
-        };
-        let mut start = 0;
-        for (stretch, side, turns) in stretches {
-            let added_rad = 2.0 * PI * turns;
-            // The direction's number before its fraction is cut off, eqs. (6) and (16).
-            let place =
-                |angle_rad: f64| per_rad * (side * (angle_rad - heading_rad + added_rad)) + 0.5;
-            let angle_of = |place: f64| heading_rad - added_rad + side * (place - 0.5) / per_rad;
-            if start >= stretch {
-                continue;
-            }
-            let mut direction = place(self.angles_rad[start]) as usize;
-            while start < stretch {
-                let end = match (side > 0.0, direction) {
-                    (true, last) if last >= directions => stretch,
-                    (true, _) => {
-                        let limit = (direction + 1) as f64;
-                        self.place_of(angle_of(limit), |angle| place(angle) < limit)
-                    }
-                    (false, 0) => stretch,
-                    (false, _) => {
-                        let limit = direction as f64;
-                        self.place_of(angle_of(limit), |angle| place(angle) >= limit)
-                    }
-                };
-                let end = end.clamp(start, stretch);
-                if end > start {
-                    told(direction, start..end);
-                }
-                start = end;
-                direction = if side > 0.0 {
-                    direction + 1
-                } else {
-                    direction.saturating_sub(1)
-                };
-            }
-        }
-    }
-
-    /// Number of pixels for whose angles `before` holds: the first ones in the order, up to about `guess_rad`.
-    fn place_of(&self, guess_rad: f64, before: impl Fn(f64) -> bool) -> usize {
-        let angles = self.angles_rad.as_slice();
-        let sector = ((guess_rad + PI) * (SECTORS as f64 / (2.0 * PI))) as usize;
-        let mut place = self
-            .sectors
-            .get(sector)
-            .map_or(angles.len(), |&place| place as usize);
-        // Rounding may have put it behind.
-        while place > 0 && !before(angles[place - 1]) {
-            place -= 1;
-        }
-        // A sector holds about one pixel: counting some more at once leaves no branch that would be guessed wrong.
-        while let Some(next) = angles.get(place..place + AT_ONCE) {
-            let count: usize = next.iter().map(|&angle| usize::from(before(angle))).sum();
-            place += count;
-            if count < AT_ONCE {
-                return place;
-            }
-        }
-        while angles.get(place).is_some_and(|&angle| before(angle)) {
-            place += 1;
-        }
-        place
     }
 
     fn copy_run(
@@ -229,11 +136,6 @@ impl Window {
         }
         array
     }
-}
-
-/// Most runs that [`Window::for_each_run`] finds: every direction to the left and to the right, and the turn's two ends.
-pub(crate) fn most_runs(directions: usize) -> usize {
-    2 * directions + 6
 }
 
 #[cfg(test)]

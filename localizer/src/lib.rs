@@ -21,6 +21,7 @@
 //! arrival are measured from the heading, 0 to pi; time 0 is the first sample of the first period.
 
 pub mod beacons;
+mod bearings;
 mod blocks;
 mod correlation;
 pub mod dead_reckoning;

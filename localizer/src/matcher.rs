@@ -97,41 +97,54 @@ impl Matcher {
         let mut used = 0;
         for (particle, pose) in particles.iter().enumerate() {
             let crop = self.crop_around(map, pose, &mut used);
-            let outline = self.sheets.outline(&self.window, polar, pose.heading_rad);
             self.sights.push(Sight {
                 particle,
                 crop,
                 heading_rad: wrap_angle(pose.heading_rad),
-                outline,
+                outline: Outline::default(),
             });
+        }
+        let by_heading = |a: &Sight, b: &Sight| a.heading_rad.total_cmp(&b.heading_rad);
+        self.sights.sort_unstable_by(by_heading);
+        for number in 0..self.sights.len() {
+            let (before, rest) = self.sights.split_at_mut(number);
+            let before = before.last().map(|before| &before.outline);
+            let sight = &mut rest[0];
+            sight.outline = self
+                .sheets
+                .outline(&self.window, polar, sight.heading_rad, before);
         }
         // Images with the same maximum share their bins; before the same part of the map and from nearly the same heading, most pixels.
         self.sights.sort_unstable_by(|a, b| {
             let brightness = a.outline.largest.total_cmp(&b.outline.largest);
-            let heading = || a.heading_rad.total_cmp(&b.heading_rad);
-            brightness.then(a.crop.cmp(&b.crop)).then_with(heading)
+            brightness
+                .then(a.crop.cmp(&b.crop))
+                .then_with(|| by_heading(a, b))
         });
         let mut before: Option<&Sight> = None;
         for sight in &self.sights {
             let crop = &self.crops[sight.crop];
-            let scene = |sight: &Sight| (sight.outline.largest, sight.crop);
-            information[sight.particle] =
-                match before.filter(|before| scene(before) == scene(sight)) {
-                    Some(before) => {
-                        self.sheets.for_each_change(
-                            &before.outline,
-                            &sight.outline,
-                            |start, old, new| {
-                                self.tool.change(old, new, &crop.bins[start..]);
-                            },
-                        );
-                        self.tool.value(crop.marginal)
-                    }
-                    None => {
-                        self.sheets.draw(&sight.outline, &mut self.echo);
-                        self.tool.information(&self.echo, &crop.bins, crop.marginal)
-                    }
-                };
+            let followed = before.filter(|before| {
+                before.crop == sight.crop && self.sheets.is_change(&before.outline, &sight.outline)
+            });
+            information[sight.particle] = match followed {
+                Some(before) => {
+                    self.sheets.for_each_change(
+                        &self.window,
+                        &before.outline,
+                        &sight.outline,
+                        |start, old, new| {
+                            self.tool.change(old, new, &crop.bins[start..]);
+                        },
+                    );
+                    self.tool.value(crop.marginal)
+                }
+                None => {
+                    self.sheets
+                        .draw(&self.window, &sight.outline, &mut self.echo);
+                    self.tool.information(&self.echo, &crop.bins, crop.marginal)
+                }
+            };
             before = Some(sight);
         }
     }

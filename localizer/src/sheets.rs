@@ -2,62 +2,51 @@
 //!
 //! Under similar headings a pixel looks into the same few directions. The echoes of each direction are therefore laid out over
 //! the window's pixels, a sheet per direction, piece by piece as headings ask for them; an image is then put together from a few dozen
-//! contiguous runs. The same holds for the bins, as long as the images' maxima are equal: ask for images in the order of their maxima. Two such
-//! images differ where their runs differ.
+//! contiguous arcs. The same holds for the bins, as long as the images' maxima are equal: ask for images in the order of their maxima.
+//!
+//! From one heading to another close by, only those pixels change over which the borders between directions move. The maxima of sorted
+//! headings are followed from one to the next, and so may be whatever the images are used for.
 
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use ndarray::ArrayView2;
 
-use crate::echo_image::{Window, most_runs};
+use crate::echo_image::Window;
 use crate::mutual_information::{largest_of, quantize_by};
+use crate::pose::wrap_angle;
 
 /// Pixels of a piece.
 const PIECE: usize = 64;
 /// The largest echo of a piece that is not laid out.
 const NOT_YET: f32 = -1.0;
 
-/// Echoes of all directions over the pixels of a window, in its order.
+/// Echoes of all directions over the pixels of a window, in its order, and the images that are put together from them.
 pub(crate) struct Sheets {
     directions: usize,
-    bins: usize,
-    /// Pieces of a sheet.
-    pieces: usize,
-    /// Echoes, sheet after sheet, each of whole pieces.
-    echoes: Vec<f32>,
-    /// Largest echo of each piece; negative until it is laid out.
-    brightest: Vec<f32>,
-    /// Bins of `echoes`.
-    quantized: Vec<u8>,
-    /// Maximum by which a piece of `quantized` was made; zero for none.
-    maxima: Vec<f32>,
-    /// Runs of all images: direction, first pixel and the one after the last.
-    runs: Vec<[u32; 3]>,
+    pieces: Pieces,
+    /// Borders of all images, see [`crate::bearings::Bearings::borders`].
+    borders: Vec<u32>,
 }
 
 /// What a heading's image is put together from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Outline {
     /// Largest echo of the image.
     pub(crate) largest: f32,
-    /// Its runs.
-    runs: Range<usize>,
+    /// A pixel that has it.
+    brightest: usize,
+    heading_rad: f64,
+    borders: Range<usize>,
 }
 
 impl Sheets {
     /// For so many directions above 0, bins, and images of one block.
     pub(crate) fn new(window: &Window, directions: usize, bins: usize, images: usize) -> Self {
-        let pieces = window.lit().div_ceil(PIECE);
-        let count = (directions + 1) * pieces;
         Self {
             directions,
-            bins,
-            pieces,
-            echoes: vec![0.0; count * PIECE],
-            brightest: vec![NOT_YET; count],
-            quantized: vec![0; count * PIECE],
-            maxima: vec![0.0; count],
-            runs: Vec::with_capacity(images * most_runs(directions)),
+            pieces: Pieces::new(window.lit(), directions, bins),
+            borders: Vec::with_capacity(images * 2 * directions),
         }
     }
 
@@ -68,67 +57,117 @@ impl Sheets {
 
     /// Forgets the block.
     pub(crate) fn clear(&mut self) {
-        self.brightest.fill(NOT_YET);
-        self.maxima.fill(0.0);
-        self.runs.clear();
+        self.pieces.clear();
+        self.borders.clear();
     }
 
-    /// Looks for what the image of a heading is put together from. `polar` is `[direction, delay]`, the same until [`Self::clear`].
+    /// Looks for what the image of a heading is put together from. `polar` is `[direction, delay]`, the same until [`Self::clear`];
+    /// `before` is an earlier outline, best that of a heading close by.
     pub(crate) fn outline(
         &mut self,
         window: &Window,
         polar: ArrayView2<'_, f32>,
         heading_rad: f64,
+        before: Option<&Outline>,
     ) -> Outline {
-        let first = self.runs.len();
-        let mut largest = 0.0;
-        window.for_each_run(self.directions, heading_rad, |direction, run| {
-            let sheet = direction * self.pieces;
-            for piece in run.start / PIECE..run.end.div_ceil(PIECE) {
-                let from = piece * PIECE;
-                let echoes = &mut self.echoes[sheet * PIECE + from..][..PIECE];
-                let brightest = &mut self.brightest[sheet + piece];
-                if *brightest < 0.0 {
-                    let row = polar.row(direction);
-                    for (echo, &delay) in echoes.iter_mut().zip(&window.delays()[from..]) {
-                        *echo = row.get(delay as usize).copied().unwrap_or(0.0);
-                    }
-                    *brightest = largest_of(echoes);
+        let first = self.borders.len();
+        self.borders.resize(first + 2 * self.directions, 0);
+        window
+            .bearings()
+            .borders(self.directions, heading_rad, &mut self.borders[first..]);
+        let mut outline = Outline {
+            largest: 0.0,
+            brightest: 0,
+            heading_rad,
+            borders: first..self.borders.len(),
+        };
+        let followed = before
+            .filter(|before| self.is_close(before, &outline))
+            .and_then(|before| self.follow(window, polar, before, &outline));
+        (outline.largest, outline.brightest) =
+            followed.unwrap_or_else(|| self.search(window, polar, &outline));
+        outline
+    }
+
+    /// Largest echo and its pixel, from those of an outline close by; nothing if a smaller echo might now be the largest.
+    fn follow(
+        &mut self,
+        window: &Window,
+        polar: ArrayView2<'_, f32>,
+        before: &Outline,
+        outline: &Outline,
+    ) -> Option<(f32, usize)> {
+        let (mut largest, mut brightest) = (before.largest, before.brightest);
+        let mut lost = false;
+        window.bearings().for_each_change(
+            &self.borders[before.borders.clone()],
+            &self.borders[outline.borders.clone()],
+            |_, direction, pixels| {
+                lost |= pixels.contains(&before.brightest);
+                for piece in pieces_of(&pixels) {
+                    self.pieces.lay_out(window, polar, direction, piece);
                 }
+                let echoes = &self.pieces.echoes(direction)[pixels.clone()];
+                for (pixel, &echo) in pixels.zip(echoes) {
+                    if echo > largest {
+                        (largest, brightest) = (echo, pixel);
+                    }
+                }
+            },
+        );
+        (!lost || brightest != before.brightest).then_some((largest, brightest))
+    }
+
+    /// Largest echo and its pixel, from all arcs.
+    fn search(
+        &mut self,
+        window: &Window,
+        polar: ArrayView2<'_, f32>,
+        outline: &Outline,
+    ) -> (f32, usize) {
+        let (mut largest, mut brightest) = (0.0, 0);
+        let borders = &self.borders[outline.borders.clone()];
+        window.bearings().for_each_arc(borders, |direction, arc| {
+            for piece in pieces_of(&arc) {
                 // Few pieces have what it takes to raise the maximum.
-                if *brightest > largest {
-                    let part = run.start.max(from) - from..run.end.min(from + PIECE) - from;
-                    largest = largest_of(&echoes[part]).max(largest);
+                if self.pieces.lay_out(window, polar, direction, piece) <= largest {
+                    continue;
+                }
+                let part = arc.start.max(piece * PIECE)..arc.end.min((piece + 1) * PIECE);
+                let echoes = &self.pieces.echoes(direction)[part.clone()];
+                for (pixel, &echo) in part.zip(echoes) {
+                    if echo > largest {
+                        (largest, brightest) = (echo, pixel);
+                    }
                 }
             }
-            self.runs
-                .push([direction as u32, run.start as u32, run.end as u32]);
         });
-        Outline {
-            largest,
-            runs: first..self.runs.len(),
-        }
+        (largest, brightest)
     }
 
     /// Writes the bins of an image, eq. (14), in the order of the window; pixels without an echo are zero.
-    pub(crate) fn draw(&mut self, outline: &Outline, image: &mut [u8]) {
+    pub(crate) fn draw(&mut self, window: &Window, outline: &Outline, image: &mut [u8]) {
         if outline.largest <= 0.0 {
             return image.fill(0);
         }
-        let mut drawn = 0;
-        for run in outline.runs.clone() {
-            let [direction, start, end] = self.run(run);
-            self.quantize(direction, start..end, outline.largest);
-            image[start..end].copy_from_slice(&self.sheet(direction)[start..end]);
-            drawn = end;
-        }
-        image[drawn..].fill(0);
+        let borders = &self.borders[outline.borders.clone()];
+        window.bearings().for_each_arc(borders, |direction, arc| {
+            self.pieces.quantize(direction, &arc, outline.largest);
+            image[arc.clone()].copy_from_slice(&self.pieces.bins(direction)[arc]);
+        });
+        image[window.lit()..].fill(0);
+    }
+
+    /// True if [`Self::for_each_change`] can tell how the images of two outlines differ.
+    pub(crate) fn is_change(&self, before: &Outline, outline: &Outline) -> bool {
+        before.largest == outline.largest && self.is_close(before, outline)
     }
 
     /// Calls `told` with all stretches of pixels that see another direction in one image than in another: the first pixel, their bins there and
-    /// here. `before` was drawn, or followed, with the same maximum.
+    /// here. `before` was drawn, or followed, before any image with another maximum; [`Self::is_change`] holds.
     pub(crate) fn for_each_change(
         &mut self,
+        window: &Window,
         before: &Outline,
         outline: &Outline,
         mut told: impl FnMut(usize, &[u8], &[u8]),
@@ -136,40 +175,101 @@ impl Sheets {
         if outline.largest <= 0.0 {
             return;
         }
-        let (mut there, mut here) = (before.runs.start, outline.runs.start);
-        let mut start = 0;
-        // The runs of each image follow one another and end with the same pixel.
-        while there < before.runs.end && here < outline.runs.end {
-            let ([old, _, old_end], [new, _, new_end]) = (self.run(there), self.run(here));
-            let end = old_end.min(new_end);
-            if old != new && start < end {
-                self.quantize(new, start..end, outline.largest);
-                let (old, new) = (self.sheet(old), self.sheet(new));
-                told(start, &old[start..end], &new[start..end]);
-            }
-            start = end;
-            there += usize::from(old_end == end);
-            here += usize::from(new_end == end);
+        window.bearings().for_each_change(
+            &self.borders[before.borders.clone()],
+            &self.borders[outline.borders.clone()],
+            |old, new, pixels| {
+                self.pieces.quantize(new, &pixels, outline.largest);
+                let [old, new] = [old, new].map(|direction| self.pieces.bins(direction));
+                told(pixels.start, &old[pixels.clone()], &new[pixels]);
+            },
+        );
+    }
+
+    /// True if the borders of two outlines are those before and after a small turn.
+    fn is_close(&self, before: &Outline, outline: &Outline) -> bool {
+        let turned = wrap_angle(outline.heading_rad - before.heading_rad).abs();
+        turned < 0.49 * PI / self.directions as f64
+    }
+}
+
+/// Numbers of the pieces that hold some pixels.
+fn pieces_of(pixels: &Range<usize>) -> Range<usize> {
+    pixels.start / PIECE..pixels.end.div_ceil(PIECE)
+}
+
+/// Echoes and their bins, sheet after sheet, each of whole pieces.
+struct Pieces {
+    bins: usize,
+    /// Pieces of a sheet.
+    per_sheet: usize,
+    echoes: Vec<f32>,
+    /// Largest echo of each piece; negative until it is laid out.
+    largest: Vec<f32>,
+    /// Bins of `echoes`.
+    quantized: Vec<u8>,
+    /// Maximum by which a piece of `quantized` was made; zero for none.
+    maxima: Vec<f32>,
+}
+
+impl Pieces {
+    /// Of sheets for directions 0 to `directions`.
+    fn new(pixels: usize, directions: usize, bins: usize) -> Self {
+        let per_sheet = pixels.div_ceil(PIECE);
+        let count = (directions + 1) * per_sheet;
+        Self {
+            bins,
+            per_sheet,
+            echoes: vec![0.0; count * PIECE],
+            largest: vec![NOT_YET; count],
+            quantized: vec![0; count * PIECE],
+            maxima: vec![0.0; count],
         }
     }
 
-    /// A run: direction, first pixel and the one after the last.
-    fn run(&self, run: usize) -> [usize; 3] {
-        self.runs[run].map(|number| number as usize)
+    fn clear(&mut self) {
+        self.largest.fill(NOT_YET);
+        self.maxima.fill(0.0);
     }
 
-    /// Bins of a direction over the pixels.
-    fn sheet(&self, direction: usize) -> &[u8] {
-        &self.quantized[direction * self.pieces * PIECE..][..self.pieces * PIECE]
+    /// Echoes of a direction over the pixels, as far as they are laid out.
+    fn echoes(&self, direction: usize) -> &[f32] {
+        &self.echoes[direction * self.per_sheet * PIECE..][..self.per_sheet * PIECE]
     }
 
-    /// Makes the bins of some pixels of a direction for images with the maximum `largest`.
-    fn quantize(&mut self, direction: usize, pixels: Range<usize>, largest: f32) {
-        let sheet = direction * self.pieces;
-        for piece in sheet + pixels.start / PIECE..sheet + pixels.end.div_ceil(PIECE) {
-            if self.maxima[piece] != largest {
-                self.maxima[piece] = largest;
-                let pixels = piece * PIECE..(piece + 1) * PIECE;
+    /// Bins of a direction over the pixels, as far as they are quantized.
+    fn bins(&self, direction: usize) -> &[u8] {
+        &self.quantized[direction * self.per_sheet * PIECE..][..self.per_sheet * PIECE]
+    }
+
+    /// Lays a piece of a sheet out, if it is not yet, and returns its largest echo.
+    fn lay_out(
+        &mut self,
+        window: &Window,
+        polar: ArrayView2<'_, f32>,
+        direction: usize,
+        piece: usize,
+    ) -> f32 {
+        let place = direction * self.per_sheet + piece;
+        if self.largest[place] < 0.0 {
+            let echoes = &mut self.echoes[place * PIECE..][..PIECE];
+            let row = polar.row(direction);
+            for (echo, &delay) in echoes.iter_mut().zip(&window.delays()[piece * PIECE..]) {
+                *echo = row.get(delay as usize).copied().unwrap_or(0.0);
+            }
+            self.largest[place] = largest_of(echoes);
+        }
+        self.largest[place]
+    }
+
+    /// Makes the bins of some pixels of a direction, all laid out, for images with the maximum `largest`.
+    fn quantize(&mut self, direction: usize, pixels: &Range<usize>, largest: f32) {
+        let sheet = direction * self.per_sheet;
+        for piece in pieces_of(pixels) {
+            let place = sheet + piece;
+            if self.maxima[place] != largest {
+                self.maxima[place] = largest;
+                let pixels = place * PIECE..(place + 1) * PIECE;
                 quantize_by(
                     largest,
                     &self.echoes[pixels.clone()],
@@ -193,13 +293,21 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(64))]
         #[test]
         fn images_are_those_drawn_one_by_one(
-            headings in prop::collection::vec(-10.0..10.0, 1..12),
+            start in -10.0..10.0,
+            turns in prop::collection::vec(-0.1..0.1, 1..24),
             half in 1_usize..30,
             directions in 1_usize..40,
             power in 0_i32..6,
         ) {
             let parameters = Parameters { max_range_m: 2.5, directions, ..Parameters::default() };
             let window = Window::new(&parameters, half);
+            let headings: Vec<f64> = turns
+                .iter()
+                .scan(start, |heading: &mut f64, turn| {
+                    *heading += turn;
+                    Some(*heading)
+                })
+                .collect();
             let mut sheets = Sheets::new(&window, directions, 127, headings.len());
             let mut image = vec![0.0; window.len()];
             let (mut expected, mut drawn) = (vec![0; window.len()], vec![9; window.len()]);
@@ -208,24 +316,25 @@ mod tests {
                     (((n * 7 + k * 13 + block) % 101) as f32).powi(power) - 1.0
                 });
                 sheets.clear();
-                let outlines: Vec<Outline> = headings
-                    .iter()
-                    .map(|&heading| sheets.outline(&window, polar.view(), heading))
-                    .collect();
+                let mut outlines: Vec<Outline> = Vec::new();
+                for &heading in &headings {
+                    outlines.push(sheets.outline(&window, polar.view(), heading, outlines.last()));
+                }
                 let mut before: Option<Outline> = None;
                 for (&heading, outline) in headings.iter().zip(outlines) {
                     window.draw(polar.view(), heading, &mut image);
                     quantize(&image, 127, &mut expected);
-                    if let Some(before) = before.filter(|before| before.largest == outline.largest) {
+                    prop_assert_eq!(outline.largest, largest_of(&image));
+                    if let Some(before) = before.filter(|before| sheets.is_change(before, &outline)) {
                         let mut followed = drawn.clone();
-                        sheets.for_each_change(&before, &outline, |start, old, new| {
+                        sheets.for_each_change(&window, &before, &outline, |start, old, new| {
                             let part = &mut followed[start..start + old.len()];
                             assert_eq!(part, old);
                             part.copy_from_slice(new);
                         });
                         prop_assert_eq!(&followed, &expected);
                     }
-                    sheets.draw(&outline, &mut drawn);
+                    sheets.draw(&window, &outline, &mut drawn);
                     prop_assert_eq!(&drawn, &expected);
                     before = Some(outline);
                 }

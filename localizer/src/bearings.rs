@@ -1,0 +1,281 @@
+//! Which pixels around the robot see which direction, eqs. (6) and (16).
+//!
+//! Pixels sorted by angle form a circle, and under a heading each direction is an arc of it to the left and one to the right. The
+//! borders between the arcs are equally spaced, so they are counted out in binary parts of a turn, where a whole turn is an overflow. Only a pixel
+//! that lies on a border, as far as these parts tell, is looked at in double precision.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use crate::pose::wrap_angle;
+
+/// Parts of the turn whose place in the order of angles is on file, a power of two.
+const SECTORS: usize = 4096;
+/// Entries that a search along the order looks at together.
+const AT_ONCE: usize = 8;
+/// Pixels nearer to a border than this, in 2^-32 of a turn, might be on either side: more than all roundings together.
+const DOUBTFUL: u32 = 4;
+
+/// Angles of pixels in cyclic order, and where to find them.
+#[derive(Debug, Clone)]
+pub(crate) struct Bearings {
+    /// World angles in [-pi, pi), sorted.
+    angles_rad: Vec<f64>,
+    /// The angle at which the order starts; no pixel is near it.
+    seam_rad: f64,
+    /// Angles from the seam in 2^-32 of a turn, counted from -2^31 so that they compare as signed numbers; followed by [`AT_ONCE`] largest ones.
+    codes: Vec<i32>,
+    /// For each of [`SECTORS`] equal parts of the turn, from the seam on, the first pixel in it or after it.
+    sectors: Vec<u32>,
+}
+
+/// Puts an angle in (-pi, pi] where the order has it: -pi instead of pi, so that the seam is between pixels.
+pub(crate) fn from_minus_pi(angle_rad: f64) -> f64 {
+    if angle_rad == PI { -PI } else { angle_rad }
+}
+
+/// An angle in 2^-64 of a turn, whole turns left out.
+fn parts_of_turn(angle_rad: f64) -> u64 {
+    let turns = angle_rad / (2.0 * PI);
+    // A whole turn, if rounding leads there, becomes the largest number, which is as good.
+    ((turns - turns.floor()) * 2.0_f64.powi(64)) as u64
+}
+
+/// The upper half of a number of 2^-64 of a turn, as [`Bearings::codes`] has it.
+fn code(parts: u64) -> i32 {
+    ((parts >> 32) as u32 ^ 1 << 31) as i32
+}
+
+impl Bearings {
+    /// Of sorted angles in [-pi, pi), see [`from_minus_pi`].
+    pub(crate) fn new(angles_rad: Vec<f64>) -> Self {
+        // Half way between the last one and pi, which is -pi and therefore among the first ones.
+        let last_rad = angles_rad.last().copied().unwrap_or(0.0);
+        let seam_rad = 0.5 * (last_rad + PI);
+        let parts: Vec<u64> = angles_rad
+            .iter()
+            .map(|angle| parts_of_turn(angle - seam_rad))
+            .collect();
+        let sectors = (0..SECTORS as u64).map(|sector| {
+            let start = sector * (u64::MAX / SECTORS as u64 + 1);
+            parts.partition_point(|&parts| parts < start) as u32
+        });
+        Self {
+            sectors: sectors.collect(),
+            codes: parts
+                .iter()
+                .map(|&parts| code(parts))
+                .chain([i32::MAX; AT_ONCE])
+                .collect(),
+            seam_rad,
+            angles_rad,
+        }
+    }
+
+    /// Number of pixels.
+    pub(crate) fn len(&self) -> usize {
+        self.angles_rad.len()
+    }
+
+    /// Writes the first pixel behind each border under a heading. `directions` is the index of the one astern, at least 1, and there are
+    /// twice as many borders: arc number n around the turn is centred n steps to the left of the heading, and border n follows it.
+    pub(crate) fn borders(&self, directions: usize, heading_rad: f64, borders: &mut [u32]) {
+        let heading_rad = wrap_angle(heading_rad);
+        let step = u64::MAX / (2 * directions) as u64;
+        let ahead = parts_of_turn(heading_rad - self.seam_rad);
+        for (arc, place) in borders.iter_mut().enumerate() {
+            // The step's rounding adds up to less than 2^-50 of a turn.
+            let border = ahead.wrapping_add(step / 2 + arc as u64 * step);
+            let direction = direction_of(arc, directions);
+            *place = self.place_of(border, |angle_rad| {
+                let bearing_rad = wrap_angle(angle_rad - heading_rad).abs();
+                let seen = (directions as f64 / PI * bearing_rad).round() as usize;
+                if arc < directions {
+                    seen <= direction
+                } else {
+                    seen >= direction
+                }
+            }) as u32;
+        }
+    }
+
+    /// Calls `told` with the direction's index for all stretches of neighbouring pixels that see one direction, given their [`Self::borders`].
+    /// Each pixel is told once.
+    pub(crate) fn for_each_arc(&self, borders: &[u32], mut told: impl FnMut(usize, Range<usize>)) {
+        let mut start = borders.last().map_or(0, |&last| last as usize);
+        for (arc, &border) in borders.iter().enumerate() {
+            let direction = direction_of(arc, borders.len() / 2);
+            let end = border as usize;
+            self.for_each_part(start, end, |part| told(direction, part));
+            start = end;
+        }
+    }
+
+    /// Calls `told` with the directions' indices before and after, and the pixels, for all pixels that see another direction with other borders. The
+    /// headings differ by less than half a step from one direction to the next.
+    pub(crate) fn for_each_change(
+        &self,
+        before: &[u32],
+        after: &[u32],
+        mut told: impl FnMut(usize, usize, Range<usize>),
+    ) {
+        let directions = before.len() / 2;
+        for (arc, (&old, &new)) in before.iter().zip(after).enumerate() {
+            if old == new {
+                continue;
+            }
+            let next = if arc + 1 == before.len() { 0 } else { arc + 1 };
+            let [behind, beyond] = [arc, next].map(|arc| direction_of(arc, directions));
+            let (old, new) = (old as usize, new as usize);
+            // Around the circle the short way.
+            if (new > old) == (new.abs_diff(old) <= self.len() / 2) {
+                self.for_each_part(old, new, |part| told(beyond, behind, part));
+            } else {
+                self.for_each_part(new, old, |part| told(behind, beyond, part));
+            }
+        }
+    }
+
+    /// The one or two ranges of pixels from `start` to `end` in the sense of the circle; none if they are the same.
+    fn for_each_part(&self, start: usize, end: usize, mut told: impl FnMut(Range<usize>)) {
+        if start < end {
+            return told(start..end);
+        }
+        if start > end {
+            if start < self.len() {
+                told(start..self.len());
+            }
+            if end > 0 {
+                told(0..end);
+            }
+        }
+    }
+
+    /// Number of pixels from the seam to a border; `is_before` decides about those that lie on it.
+    fn place_of(&self, border: u64, is_before: impl Fn(f64) -> bool) -> usize {
+        let limit = code(border);
+        let mut place = self.sectors[(border >> (64 - SECTORS.ilog2())) as usize] as usize;
+        // A sector holds a pixel or two: counting several at once leaves no branch that would be guessed wrong.
+        while let Some(next) = self.codes.get(place..place + AT_ONCE) {
+            let count: i32 = next.iter().map(|&code| i32::from(code < limit)).sum();
+            place += count as usize;
+            if count < AT_ONCE as i32 {
+                break;
+            }
+        }
+        let doubtful = |pixel: usize| self.codes[pixel].abs_diff(limit) <= DOUBTFUL;
+        while place > 0 && doubtful(place - 1) && !is_before(self.angles_rad[place - 1]) {
+            place -= 1;
+        }
+        while place < self.len() && doubtful(place) && is_before(self.angles_rad[place]) {
+            place += 1;
+        }
+        place
+    }
+}
+
+/// The direction in which an arc lies, to the left as to the right.
+fn direction_of(arc: usize, directions: usize) -> usize {
+    arc.min(2 * directions - arc)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Sorted angles of the pixels of a square around the robot.
+    fn square(half: i32) -> Vec<f64> {
+        let mut angles: Vec<f64> = (-half..=half)
+            .flat_map(|y| (-half..=half).map(move |x| (x, y)))
+            .filter(|&pixel| pixel != (0, 0))
+            .map(|(x, y)| from_minus_pi(f64::from(y).atan2(f64::from(x))))
+            .collect();
+        angles.sort_by(f64::total_cmp);
+        angles
+    }
+
+    /// Each pixel's direction by eqs. (6) and (16).
+    fn seen(angles: &[f64], directions: usize, heading_rad: f64) -> Vec<usize> {
+        let bearing = |angle: &f64| wrap_angle(angle - wrap_angle(heading_rad)).abs();
+        angles
+            .iter()
+            .map(|angle| (directions as f64 / PI * bearing(angle)).round() as usize)
+            .collect()
+    }
+
+    fn arcs_agree(half: i32, directions: usize, heading_rad: f64) {
+        let angles = square(half);
+        let bearings = Bearings::new(angles.clone());
+        let mut borders = vec![0; 2 * directions];
+        bearings.borders(directions, heading_rad, &mut borders);
+        let plain = seen(&angles, directions, heading_rad);
+        let mut told = vec![usize::MAX; angles.len()];
+        bearings.for_each_arc(&borders, |direction, arc| {
+            for pixel in arc {
+                assert_eq!(told[pixel], usize::MAX);
+                told[pixel] = direction;
+            }
+        });
+        assert_eq!(told, plain, "heading {heading_rad}");
+    }
+
+    proptest! {
+        #[test]
+        fn every_pixel_sees_the_direction_of_the_printed_equations(
+            half in 1_i32..20,
+            directions in 1_usize..60,
+            heading in -10.0..10.0,
+        ) {
+            arcs_agree(half, directions, heading);
+        }
+
+        /// Borders on many pixels at once, and on the seam.
+        #[test]
+        fn so_do_pixels_on_borders(
+            half in 1_i32..12,
+            directions in 1_usize..60,
+            eighths in -16_i32..=16,
+            steps in -120_i32..=120,
+            nudge in -3_i32..=3,
+        ) {
+            let step = PI / directions as f64;
+            let heading = f64::from(eighths) * PI / 8.0 + (f64::from(steps) + 0.5) * step;
+            arcs_agree(half, directions, heading + f64::from(nudge) * 4e-16);
+            arcs_agree(half, directions, heading + f64::from(nudge) * 1e-9);
+        }
+
+        #[test]
+        fn changes_lead_from_one_heading_to_another(
+            half in 1_i32..20,
+            directions in 1_usize..60,
+            heading in -10.0..10.0,
+            steps in -0.499..0.499,
+        ) {
+            let angles = square(half);
+            let bearings = Bearings::new(angles.clone());
+            let turned = heading + steps * PI / directions as f64;
+            let borders = [heading, turned].map(|heading| {
+                let mut borders = vec![0; 2 * directions];
+                bearings.borders(directions, heading, &mut borders);
+                borders
+            });
+            let mut followed = seen(&angles, directions, heading);
+            bearings.for_each_change(&borders[0], &borders[1], |before, after, pixels| {
+                for pixel in pixels {
+                    assert_eq!(followed[pixel], before);
+                    followed[pixel] = after;
+                }
+            });
+            prop_assert_eq!(followed, seen(&angles, directions, turned));
+        }
+    }
+
+    #[test]
+    fn no_pixels_have_no_arcs() {
+        let nothing = Bearings::new(Vec::new());
+        let mut borders = [0; 10];
+        nothing.borders(5, 1.0, &mut borders);
+        nothing.for_each_arc(&borders, |_, _| panic!("an arc of nothing"));
+    }
+}

@@ -86,16 +86,12 @@ impl Bearings {
         for (arc, place) in borders.iter_mut().enumerate() {
             // The step's rounding adds up to less than 2^-50 of a turn.
             let border = ahead.wrapping_add(step / 2 + arc as u64 * step);
-            let direction = direction_of(arc, directions);
-            *place = self.place_of(border, |angle_rad| {
-                let bearing_rad = wrap_angle(angle_rad - heading_rad).abs();
-                let seen = (directions as f64 / PI * bearing_rad).round() as usize;
-                if arc < directions {
-                    seen <= direction
-                } else {
-                    seen >= direction
-                }
-            }) as u32;
+            let found = self.place_of(border);
+            *place = if self.is_doubtful(found, border) {
+                self.settled(found, border, arc, directions, heading_rad)
+            } else {
+                found
+            } as u32;
         }
     }
 
@@ -151,8 +147,9 @@ impl Bearings {
         }
     }
 
-    /// Number of pixels from the seam to a border; `is_before` decides about those that lie on it.
-    fn place_of(&self, border: u64, is_before: impl Fn(f64) -> bool) -> usize {
+    /// Number of pixels from the seam to a border, as far as the codes tell.
+    #[inline(always)]
+    fn place_of(&self, border: u64) -> usize {
         let limit = code(border);
         let mut place = self.sectors[(border >> (64 - SECTORS.ilog2())) as usize] as usize;
         // A sector holds a pixel or two: counting several at once leaves no branch that would be guessed wrong.
@@ -163,11 +160,41 @@ impl Bearings {
                 break;
             }
         }
-        let doubtful = |pixel: usize| self.codes[pixel].abs_diff(limit) <= DOUBTFUL;
-        while place > 0 && doubtful(place - 1) && !is_before(self.angles_rad[place - 1]) {
+        place
+    }
+
+    /// Whether a pixel at a place found by its code, or the one before it, lies on the border.
+    #[inline(always)]
+    fn is_doubtful(&self, place: usize, border: u64) -> bool {
+        let near = |code_there: i32| code_there.abs_diff(code(border)) <= DOUBTFUL;
+        near(self.codes[place]) || near(self.codes[place.saturating_sub(1)])
+    }
+
+    /// Number of pixels before the border behind an arc, those on it by eqs. (6) and (16).
+    #[cold]
+    #[inline(never)]
+    fn settled(
+        &self,
+        mut place: usize,
+        border: u64,
+        arc: usize,
+        directions: usize,
+        heading_rad: f64,
+    ) -> usize {
+        let doubtful = |pixel: usize| self.codes[pixel].abs_diff(code(border)) <= DOUBTFUL;
+        let is_before = |pixel: usize| {
+            let bearing_rad = wrap_angle(self.angles_rad[pixel] - heading_rad).abs();
+            let seen = (directions as f64 / PI * bearing_rad).round() as usize;
+            if arc < directions {
+                seen <= direction_of(arc, directions)
+            } else {
+                seen >= direction_of(arc, directions)
+            }
+        };
+        while place > 0 && doubtful(place - 1) && !is_before(place - 1) {
             place -= 1;
         }
-        while place < self.len() && doubtful(place) && is_before(self.angles_rad[place]) {
+        while place < self.len() && doubtful(place) && is_before(place) {
             place += 1;
         }
         place

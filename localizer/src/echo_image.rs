@@ -19,6 +19,8 @@ pub struct Window {
     delays: Vec<u32>,
     /// Offsets `[mx, my]` of all pixels: first those with an echo, then those too near or too far.
     offsets: Vec<[i32; 2]>,
+    /// The same as places in the square, row by row.
+    places: Vec<u32>,
 }
 
 impl Window {
@@ -42,11 +44,16 @@ impl Window {
             }
         }
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let offsets: Vec<[i32; 2]> = near.iter().map(|pixel| pixel.2).chain(blind).collect();
         Self {
             half_cells,
             bearings: Bearings::new(near.iter().map(|pixel| pixel.0).collect()),
             delays: near.iter().map(|pixel| pixel.1).collect(),
-            offsets: near.iter().map(|pixel| pixel.2).chain(blind).collect(),
+            places: offsets
+                .iter()
+                .map(|[mx, my]| ((my + half) * (2 * half + 1) + mx + half) as u32)
+                .collect(),
+            offsets,
         }
     }
 
@@ -83,8 +90,7 @@ impl Window {
             return self.copy_run(&polar, 0, 0, lit, image);
         }
         let mut borders = vec![0; 2 * directions];
-        self.bearings
-            .borders(directions, heading_rad, &mut borders);
+        self.bearings.borders(directions, heading_rad, &mut borders);
         self.bearings.for_each_arc(&borders, |direction, arc| {
             self.copy_run(&polar, direction, arc.start, arc.end, image);
         });
@@ -93,6 +99,11 @@ impl Window {
     /// Pixels with an echo; they come first in the order of the images.
     pub(crate) fn lit(&self) -> usize {
         self.bearings.len()
+    }
+
+    /// Places of all pixels in the square, row by row.
+    pub(crate) fn places(&self) -> &[u32] {
+        &self.places
     }
 
     /// The pixels with an echo by the directions in which they are seen.
@@ -129,10 +140,10 @@ impl Window {
     /// An image in the order of the window as an array `[my + N_W, mx + N_W]`.
     pub fn to_array(&self, image: &[f32]) -> Array2<f32> {
         let width = 2 * self.half_cells + 1;
-        let half = self.half_cells as i32;
         let mut array = Array2::zeros((width, width));
-        for (&[mx, my], &value) in self.offsets.iter().zip(image) {
-            array[[(my + half) as usize, (mx + half) as usize]] = value;
+        for (&place, &value) in self.places.iter().zip(image) {
+            let place = place as usize;
+            array[[place / width, place % width]] = value;
         }
         array
     }

@@ -24,6 +24,7 @@ pub mod beacons;
 mod bearings;
 mod blocks;
 mod correlation;
+mod crops;
 pub mod dead_reckoning;
 pub mod direct_wave;
 pub mod doppler;

@@ -59,19 +59,6 @@ impl MapImage {
             centre[0].saturating_sub(self.origin_cell[0]),
             centre[1].saturating_sub(self.origin_cell[1]),
         ];
-        let half = window.half_cells() as i64;
-        let within = |centre: i64, cells: i64| centre >= half && centre < cells - half;
-        if within(first[0], columns)
-            && within(first[1], rows)
-            && let Some(cells) = layer.as_slice()
-        {
-            // All of the window lies within the map.
-            let centre = first[1] * columns + first[0];
-            for (pixel, &[mx, my]) in image.iter_mut().zip(window.offsets()) {
-                *pixel = cells[(centre + i64::from(my) * columns + i64::from(mx)) as usize];
-            }
-            return;
-        }
         for (pixel, &[mx, my]) in image.iter_mut().zip(window.offsets()) {
             let (x, y) = (
                 first[0].saturating_add(i64::from(mx)),
@@ -84,6 +71,28 @@ impl MapImage {
                 0.0
             };
         }
+    }
+
+    /// The rows of the square of `2 half + 1` cells a side around a world cell, if all of it lies within the map.
+    pub(crate) fn rows_around(
+        &self,
+        method: Method,
+        half: usize,
+        centre: [i64; 2],
+    ) -> Option<impl Iterator<Item = &[f32]> + Clone> {
+        let layer = self.layer(method);
+        let cells = layer.as_slice()?;
+        let (rows, columns) = layer.dim();
+        let width = 2 * half + 1;
+        let first = |axis: usize, size: usize| {
+            let corner = centre[axis]
+                .checked_sub(self.origin_cell[axis])?
+                .checked_sub(half as i64)?;
+            let corner = usize::try_from(corner).ok()?;
+            (width <= size && corner <= size - width).then_some(corner)
+        };
+        let (x, y) = (first(0, columns)?, first(1, rows)?);
+        Some((y..y + width).map(move |y| &cells[y * columns + x..][..width]))
     }
 
     /// Checks that the map suits the parameters of a localizer.

@@ -2,6 +2,7 @@
 
 use ndarray::ArrayView2;
 
+use crate::crops::Crops;
 use crate::echo_image::Window;
 use crate::map_image::MapImage;
 use crate::mutual_information::{MutualInformation, quantize};
@@ -10,10 +11,7 @@ use crate::pose::{Pose, wrap_angle};
 use crate::sheets::{Outline, Sheets};
 
 /// Compares echo images with parts of the map, eqs. (9)-(16).
-///
-/// Particles in the same cell see the same part of the map; it is cut out and quantized once a step.
 pub(crate) struct Matcher {
-    method: Method,
     sensor_offset_m: [f64; 2],
     bins: usize,
     window: Window,
@@ -21,28 +19,10 @@ pub(crate) struct Matcher {
     sheets: Sheets,
     image: Vec<f32>,
     echo: Vec<u8>,
-    crops: Vec<Crop>,
+    crops: Crops,
     sights: Vec<Sight>,
-}
-
-/// A quantized part of the map and, without bearings, its mutual information with the echo image.
-struct Crop {
-    centre: [i64; 2],
-    bins: Vec<u8>,
-    marginal: i64,
-    information: Option<f64>,
-}
-
-impl Crop {
-    /// A crop of nothing yet.
-    fn new(pixels: usize) -> Self {
-        Self {
-            centre: [0; 2],
-            bins: vec![0; pixels],
-            marginal: 0,
-            information: None,
-        }
-    }
+    /// Places in `sights` by what they share, see [`Sight::sharing`].
+    order: Vec<u128>,
 }
 
 /// What a particle is to be compared with.
@@ -54,6 +34,21 @@ struct Sight {
     outline: Outline,
 }
 
+impl Sight {
+    /// A number by whose order sights with much in common follow one another, and the sight's own place. Images with the same maximum share their
+    /// bins; before the same part of the map and from nearly the same heading, most pixels.
+    fn sharing(&self, place: usize) -> u128 {
+        // Largest echoes are no negative numbers: they compare as their bits do. Places are in the order of headings.
+        let brightness = u128::from(self.outline.largest.to_bits());
+        brightness << 96 | (self.crop as u128) << 48 | place as u128
+    }
+
+    /// The place in [`Self::sharing`].
+    fn place(sharing: u128) -> usize {
+        (sharing & ((1 << 48) - 1)) as usize
+    }
+}
+
 impl Matcher {
     pub(crate) fn new(parameters: &Parameters) -> Self {
         let window = Window::new(parameters, parameters.window_cells());
@@ -63,7 +58,6 @@ impl Matcher {
             Method::ToaOnly | Method::Odometry => 0,
         };
         Self {
-            method: parameters.method,
             sensor_offset_m: parameters.sensor_offset_m,
             bins: parameters.bins,
             tool: MutualInformation::new(parameters.bins, window.len()),
@@ -71,8 +65,9 @@ impl Matcher {
             image: vec![0.0; window.len()],
             echo: vec![0; window.len()],
             // As many as there can be cells with particles: made now, a step never has to allocate.
-            crops: (0..particles).map(|_| Crop::new(window.len())).collect(),
+            crops: Crops::new(parameters.method, &window, parameters.bins, particles),
             sights: Vec::with_capacity(particles),
+            order: Vec::with_capacity(particles),
             window,
         }
     }
@@ -93,10 +88,10 @@ impl Matcher {
             self.sheets = Sheets::new(&self.window, polar.nrows() - 1, self.bins, particles.len());
         }
         self.sheets.clear();
+        self.crops.clear();
         self.sights.clear();
-        let mut used = 0;
         for (particle, pose) in particles.iter().enumerate() {
-            let crop = self.crop_around(map, pose, &mut used);
+            let crop = self.crop_around(map, pose);
             self.sights.push(Sight {
                 particle,
                 crop,
@@ -104,26 +99,25 @@ impl Matcher {
                 outline: Outline::default(),
             });
         }
-        let by_heading = |a: &Sight, b: &Sight| a.heading_rad.total_cmp(&b.heading_rad);
-        self.sights.sort_unstable_by(by_heading);
-        for number in 0..self.sights.len() {
-            let (before, rest) = self.sights.split_at_mut(number);
+        self.sights
+            .sort_unstable_by(|a, b| a.heading_rad.total_cmp(&b.heading_rad));
+        for place in 0..self.sights.len() {
+            let (before, rest) = self.sights.split_at_mut(place);
             let before = before.last().map(|before| &before.outline);
             let sight = &mut rest[0];
             sight.outline = self
                 .sheets
                 .outline(&self.window, polar, sight.heading_rad, before);
         }
-        // Images with the same maximum share their bins; before the same part of the map and from nearly the same heading, most pixels.
-        self.sights.sort_unstable_by(|a, b| {
-            let brightness = a.outline.largest.total_cmp(&b.outline.largest);
-            brightness
-                .then(a.crop.cmp(&b.crop))
-                .then_with(|| by_heading(a, b))
-        });
+        self.order.clear();
+        let sights = self.sights.iter().enumerate();
+        self.order
+            .extend(sights.map(|(place, sight)| sight.sharing(place)));
+        self.order.sort_unstable();
         let mut before: Option<&Sight> = None;
-        for sight in &self.sights {
-            let crop = &self.crops[sight.crop];
+        for &sharing in &self.order {
+            let sight = &self.sights[Sight::place(sharing)];
+            let crop = self.crops.get(sight.crop);
             let followed = before.filter(|before| {
                 before.crop == sight.crop && self.sheets.is_change(&before.outline, &sight.outline)
             });
@@ -159,10 +153,10 @@ impl Matcher {
     ) {
         self.window.draw(polar, 0.0, &mut self.image);
         quantize(&self.image, self.bins, &mut self.echo);
-        let mut used = 0;
+        self.crops.clear();
         for (pose, out) in particles.iter().zip(information) {
-            let crop = self.crop_around(map, pose, &mut used);
-            let crop = &mut self.crops[crop];
+            let crop = self.crop_around(map, pose);
+            let crop = self.crops.get(crop);
             *out = match crop.information {
                 Some(known) => known,
                 None => self.tool.information(&self.echo, &crop.bins, crop.marginal),
@@ -171,31 +165,10 @@ impl Matcher {
         }
     }
 
-    /// Number of the crop around a pose's cell, made if it is not among the `used` ones.
-    fn crop_around(&mut self, map: &MapImage, pose: &Pose, used: &mut usize) -> usize {
+    /// Number of the part of the map that a pose sees.
+    fn crop_around(&mut self, map: &MapImage, pose: &Pose) -> usize {
         let centre = map.cell_of(&pose.carried(self.sensor_offset_m));
-        let known = self.crops[..*used]
-            .iter()
-            .position(|crop| crop.centre == centre);
-        known.unwrap_or_else(|| {
-            self.cut(map, centre, *used);
-            *used += 1;
-            *used - 1
-        })
-    }
-
-    /// Makes crop number `slot` the one around a world cell.
-    fn cut(&mut self, map: &MapImage, centre: [i64; 2], slot: usize) {
-        if slot == self.crops.len() {
-            // More particles than the parameters said.
-            self.crops.push(Crop::new(self.window.len()));
-        }
-        let crop = &mut self.crops[slot];
-        crop.centre = centre;
-        crop.information = None;
-        map.crop(self.method, &self.window, centre, &mut self.image);
-        quantize(&self.image, self.bins, &mut crop.bins);
-        crop.marginal = self.tool.marginal(&crop.bins);
+        self.crops.around(map, &self.window, &self.tool, centre)
     }
 }
 

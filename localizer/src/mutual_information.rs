@@ -4,6 +4,8 @@
 //! `(sum n ln n (joint) - sum n ln n (first) - sum n ln n (second)) / N + ln N`, and n ln n comes from a table of fixed-point numbers. Their
 //! sums are exact: they do not depend on an order, and follow when single pixels change.
 
+use crate::wide::wide;
+
 /// Copies of counts of single bins, so that a run of equal pixels does not wait for itself.
 const LANES: usize = 4;
 
@@ -51,7 +53,7 @@ impl Logarithms {
     }
 
     /// Sum over counts of bins.
-    fn sum(&self, counts: &[u32; 256]) -> Fixed {
+    fn sum(&self, counts: &[u32]) -> Fixed {
         counts.iter().map(|&n| self.values[n as usize]).sum()
     }
 
@@ -107,7 +109,7 @@ impl MutualInformation {
             return 0.0;
         }
         let total = self.pixels as f64;
-        let first_sum = self.n_ln_n.sum(&self.single);
+        let first_sum = self.n_ln_n.sum(&self.single[..1 << self.digits]);
         let sum = self.n_ln_n.number(self.joint_sum - first_sum - second_sum);
         // Rounding may leave a tiny negative number where there is no information.
         (sum / total + total.ln()).max(0.0)
@@ -124,9 +126,12 @@ impl MutualInformation {
             *count += 1;
         }
         self.joint_sum = sum;
-        for (single, row) in self.single.iter_mut().zip(self.joint.chunks_exact(width)) {
-            *single = row.iter().sum();
-        }
+        let rows = self.joint.chunks_exact(width).take(width);
+        wide(|| {
+            for (single, row) in self.single.iter_mut().zip(rows) {
+                *single = row.iter().sum();
+            }
+        });
     }
 
     /// Takes account of pixels whose bins in the first image of the pair changed from `old` to `new`; `second` are theirs in the second.
@@ -162,10 +167,12 @@ pub fn quantize(image: &[f32], bins: usize, quantized: &mut [u8]) {
 /// [`quantize`] by a positive maximum that is known.
 pub(crate) fn quantize_by(largest: f32, image: &[f32], bins: usize, quantized: &mut [u8]) {
     let bins = bins as f32;
-    for (bin, &value) in quantized.iter_mut().zip(image) {
-        // The conversion truncates, which is the floor of a non-negative number.
-        *bin = ((value / largest) * bins) as u8;
-    }
+    wide(|| {
+        for (bin, &value) in quantized.iter_mut().zip(image) {
+            // The conversion truncates, which is the floor of a non-negative number.
+            *bin = ((value / largest) * bins) as u8;
+        }
+    });
 }
 
 /// Largest of non-negative values, zero without any; in eight independent lanes, for it needs no order.

@@ -169,10 +169,20 @@ pub(crate) fn quantize_by(largest: f32, image: &[f32], bins: usize, quantized: &
     let bins = bins as f32;
     wide(|| {
         for (bin, &value) in quantized.iter_mut().zip(image) {
-            // The conversion truncates, which is the floor of a non-negative number.
-            *bin = ((value / largest) * bins) as u8;
+            *bin = floor((value / largest) * bins);
         }
     });
+}
+
+/// Floor of a number below 256, zero for a negative one. A conversion by `as` would be done number by number, not eight at once.
+#[inline(always)]
+fn floor(number: f32) -> u8 {
+    /// 2^23: sums with it are whole numbers, rounded, and end in their binary digits.
+    const WHOLE: f32 = 8_388_608.0;
+    let number = if number > 0.0 { number } else { 0.0 };
+    let rounded = (number + WHOLE) - WHOLE;
+    let excess = if rounded > number { 1.0 } else { 0.0 };
+    (rounded - excess + WHOLE).to_bits() as u8
 }
 
 /// Largest of non-negative values, zero without any; in eight independent lanes, for it needs no order.
@@ -232,6 +242,15 @@ mod tests {
         let mut bins = [0; 3];
         quantize(&[0.999, 1.0, 0.4999], 2, &mut bins);
         assert_eq!(bins, [1, 2, 0]);
+    }
+
+    #[test]
+    fn floors_are_those_of_a_conversion() {
+        let near = |number: f32| [number, number.next_down(), number.next_up()];
+        let whole_and_halves = (0..512).map(|half| half as f32 / 2.0).flat_map(near);
+        for number in whole_and_halves.chain([-1e-9, -0.3, -7.0, 1e-30]) {
+            assert_eq!(floor(number), number as u8, "{number:e}");
+        }
     }
 
     proptest! {

@@ -4,7 +4,7 @@
 //! sorted by their world angle: under any heading those of one direction are a few runs of neighbours in that order, and
 //! drawing an image is a walk over the runs.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView1, ArrayView2};
 
 use crate::bearings::{Bearings, from_minus_pi};
 use crate::parameters::Parameters;
@@ -87,12 +87,12 @@ impl Window {
             return image.fill(0.0);
         };
         if directions == 0 {
-            return self.copy_run(&polar, 0, 0, lit, image);
+            return self.look_up(polar.row(0), 0, &mut image[..lit]);
         }
         let mut borders = vec![0; 2 * directions];
         self.bearings.borders(directions, heading_rad, &mut borders);
         self.bearings.for_each_arc(&borders, |direction, arc| {
-            self.copy_run(&polar, direction, arc.start, arc.end, image);
+            self.look_up(polar.row(direction), arc.start, &mut image[arc]);
         });
     }
 
@@ -111,27 +111,15 @@ impl Window {
         &self.bearings
     }
 
-    /// Delays of the pixels with an echo, in samples.
-    pub(crate) fn delays(&self) -> &[u32] {
-        &self.delays
-    }
-
-    fn copy_run(
-        &self,
-        polar: &ArrayView2<'_, f32>,
-        direction: usize,
-        start: usize,
-        end: usize,
-        image: &mut [f32],
-    ) {
-        let row = polar.row(direction);
-        let delays = &self.delays[start..end];
+    /// Writes the echoes that pixels see from `first` on, as many as there are, in a direction whose echoes by delay are `row`.
+    pub(crate) fn look_up(&self, row: ArrayView1<'_, f32>, first: usize, pixels: &mut [f32]) {
+        let pixels = pixels.iter_mut().zip(&self.delays[first..]);
         if let Some(row) = row.as_slice() {
-            for (pixel, &delay) in image[start..end].iter_mut().zip(delays) {
+            for (pixel, &delay) in pixels {
                 *pixel = row.get(delay as usize).copied().unwrap_or(0.0);
             }
         } else {
-            for (pixel, &delay) in image[start..end].iter_mut().zip(delays) {
+            for (pixel, &delay) in pixels {
                 *pixel = row.get(delay as usize).copied().unwrap_or(0.0);
             }
         }

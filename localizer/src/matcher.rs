@@ -87,33 +87,7 @@ impl Matcher {
             // Another number of directions than the parameters said.
             self.sheets = Sheets::new(&self.window, polar.nrows() - 1, self.bins, particles.len());
         }
-        self.sheets.clear();
-        self.crops.clear();
-        self.sights.clear();
-        for (particle, pose) in particles.iter().enumerate() {
-            let crop = self.crop_around(map, pose);
-            self.sights.push(Sight {
-                particle,
-                crop,
-                heading_rad: wrap_angle(pose.heading_rad),
-                outline: Outline::default(),
-            });
-        }
-        self.sights
-            .sort_unstable_by(|a, b| a.heading_rad.total_cmp(&b.heading_rad));
-        for place in 0..self.sights.len() {
-            let (before, rest) = self.sights.split_at_mut(place);
-            let before = before.last().map(|before| &before.outline);
-            let sight = &mut rest[0];
-            sight.outline = self
-                .sheets
-                .outline(&self.window, polar, sight.heading_rad, before);
-        }
-        self.order.clear();
-        let sights = self.sights.iter().enumerate();
-        self.order
-            .extend(sights.map(|(place, sight)| sight.sharing(place)));
-        self.order.sort_unstable();
+        self.see(polar, map, particles);
         let mut before: Option<&Sight> = None;
         for &sharing in &self.order {
             let sight = &self.sights[Sight::place(sharing)];
@@ -141,6 +115,37 @@ impl Matcher {
             };
             before = Some(sight);
         }
+    }
+
+    /// Finds what each particle is to be compared with, and the order in which that is done.
+    fn see(&mut self, polar: ArrayView2<'_, f32>, map: &MapImage, particles: &[Pose]) {
+        self.sheets.clear();
+        self.crops.clear();
+        self.sights.clear();
+        for (particle, pose) in particles.iter().enumerate() {
+            let crop = self.crop_around(map, pose);
+            self.sights.push(Sight {
+                particle,
+                crop,
+                heading_rad: wrap_angle(pose.heading_rad),
+                outline: Outline::default(),
+            });
+        }
+        self.sights
+            .sort_unstable_by(|a, b| a.heading_rad.total_cmp(&b.heading_rad));
+        for place in 0..self.sights.len() {
+            let (before, rest) = self.sights.split_at_mut(place);
+            let before = before.last().map(|before| &before.outline);
+            let sight = &mut rest[0];
+            sight.outline = self
+                .sheets
+                .outline(&self.window, polar, sight.heading_rad, before);
+        }
+        self.order.clear();
+        let sights = self.sights.iter().enumerate();
+        self.order
+            .extend(sights.map(|(place, sight)| sight.sharing(place)));
+        self.order.sort_unstable();
     }
 
     /// [`Self::information`] without bearings: the echo image is the same for every particle, and so is the information in a cell.

@@ -118,7 +118,11 @@ impl MutualInformation {
     /// Counts a pair.
     fn count(&mut self, first: &[u8], second: &[u8]) {
         let (digits, width) = (self.digits, 1 << self.digits);
-        self.joint[..width << digits].fill(0);
+        // Rows of bins that the first image before did not have are zero.
+        let rows = self.joint.chunks_exact_mut(width).take(width);
+        for (row, _) in rows.zip(&self.single).filter(|(_, n)| **n > 0) {
+            row.fill(0);
+        }
         let mut sum = 0;
         for (&a, &b) in first.iter().zip(second) {
             let count = &mut self.joint[usize::from((u16::from(a) << digits) | u16::from(b))];
@@ -139,19 +143,23 @@ impl MutualInformation {
         let digits = self.digits;
         let place =
             |first: u8, second: u8| usize::from((u16::from(first) << digits) | u16::from(second));
+        let steps = self.n_ln_n.steps.as_slice();
+        // In a register: in memory, each change would wait for the one before.
+        let mut sum = self.joint_sum;
         for ((&old, &new), &second) in old.iter().zip(new).zip(second) {
             if old == new {
                 continue;
             }
             let from = &mut self.joint[place(old, second)];
             *from -= 1;
-            self.joint_sum -= self.n_ln_n.steps[*from as usize];
+            sum -= steps[*from as usize];
             let to = &mut self.joint[place(new, second)];
-            self.joint_sum += self.n_ln_n.steps[*to as usize];
+            sum += steps[*to as usize];
             *to += 1;
             self.single[usize::from(old)] -= 1;
             self.single[usize::from(new)] += 1;
         }
+        self.joint_sum = sum;
     }
 }
 

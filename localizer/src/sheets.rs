@@ -254,9 +254,7 @@ impl Pieces {
         if self.largest[place] < 0.0 {
             let echoes = &mut self.echoes[place * PIECE..][..PIECE];
             let row = polar.row(direction);
-            for (echo, &delay) in echoes.iter_mut().zip(&window.delays()[piece * PIECE..]) {
-                *echo = row.get(delay as usize).copied().unwrap_or(0.0);
-            }
+            window.look_up(row, piece * PIECE, echoes);
             self.largest[place] = largest_of(echoes);
         }
         self.largest[place]

@@ -17,7 +17,7 @@ use crate::mutual_information::{largest_of, quantize_by};
 use crate::pose::wrap_angle;
 
 /// Pixels of a piece.
-const PIECE: usize = 64;
+const PIECE: usize = 32;
 /// The largest echo of a piece that is not laid out.
 const NOT_YET: f32 = -1.0;
 

@@ -99,10 +99,7 @@ impl Crops {
             return quantize(&self.image, self.bins, bins);
         };
         // Rows are quantized as they lie, many cells at once, and only bytes are put into the window's order.
-        let largest = rows
-            .clone()
-            .map(largest_of)
-            .fold(0.0_f32, |a, b| if b > a { b } else { a });
+        let largest = rows.clone().map(largest_of).fold(0.0, f32::max);
         if largest <= 0.0 {
             return bins.fill(0);
         }

@@ -21,8 +21,8 @@ pub(crate) struct Matcher {
     echo: Vec<u8>,
     crops: Crops,
     sights: Vec<Sight>,
-    /// Places in `sights` by what they share, see [`Sight::sharing`].
-    order: Vec<u128>,
+    /// Largest echo, crop and place in `sights` of each, sorted.
+    order: Vec<(u32, usize, usize)>,
 }
 
 /// What a particle is to be compared with.
@@ -32,21 +32,6 @@ struct Sight {
     crop: usize,
     heading_rad: f64,
     outline: Outline,
-}
-
-impl Sight {
-    /// A number by whose order sights with much in common follow one another, and the sight's own place. Images with the same maximum share their
-    /// bins; before the same part of the map and from nearly the same heading, most pixels.
-    fn sharing(&self, place: usize) -> u128 {
-        // Largest echoes are no negative numbers: they compare as their bits do. Places are in the order of headings.
-        let brightness = u128::from(self.outline.largest.to_bits());
-        brightness << 96 | (self.crop as u128) << 48 | place as u128
-    }
-
-    /// The place in [`Self::sharing`].
-    fn place(sharing: u128) -> usize {
-        (sharing & ((1 << 48) - 1)) as usize
-    }
 }
 
 impl Matcher {
@@ -89,8 +74,8 @@ impl Matcher {
         }
         self.see(polar, map, particles);
         let mut before: Option<&Sight> = None;
-        for &sharing in &self.order {
-            let sight = &self.sights[Sight::place(sharing)];
+        for &(_, _, place) in &self.order {
+            let sight = &self.sights[place];
             let crop = self.crops.get(sight.crop);
             let followed = before.filter(|before| {
                 before.crop == sight.crop && self.sheets.is_change(&before.outline, &sight.outline)
@@ -141,10 +126,13 @@ impl Matcher {
                 .sheets
                 .outline(&self.window, polar, sight.heading_rad, before);
         }
+        // Images with the same maximum share their bins; before the same part of the map and from nearly the same heading, most pixels. Largest echoes
+        // are no negative numbers: they compare as their bits do. Places are in the order of headings.
         self.order.clear();
         let sights = self.sights.iter().enumerate();
-        self.order
-            .extend(sights.map(|(place, sight)| sight.sharing(place)));
+        self.order.extend(
+            sights.map(|(place, sight)| (sight.outline.largest.to_bits(), sight.crop, place)),
+        );
         self.order.sort_unstable();
     }
 

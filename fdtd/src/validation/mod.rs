@@ -14,6 +14,7 @@ pub mod impedance;
 pub mod layer;
 pub mod rig;
 pub mod room;
+pub mod round;
 pub mod scene_echoes;
 pub mod tilted;
 pub mod tilted_impedance;
@@ -106,7 +107,7 @@ pub struct Law {
 }
 
 /// All laws, in the table's order.
-pub const LAWS: [Law; 17] = [
+pub const LAWS: [Law; 18] = [
     Law {
         name: "line source in free field, at rest and moving",
         measure: free_field::measure,
@@ -122,6 +123,10 @@ pub const LAWS: [Law; 17] = [
     Law {
         name: "echo and scatter of a tilted wall",
         measure: tilted::measure,
+    },
+    Law {
+        name: "round walls: cylinder and round room",
+        measure: round::measure,
     },
     Law {
         name: "reflection of an impedance",

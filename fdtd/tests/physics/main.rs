@@ -24,6 +24,7 @@ mod impedance_wall;
 mod large_step;
 mod late_time;
 mod reciprocity;
+mod round_wall;
 mod scene_echoes;
 mod spectrum;
 mod tilted_wall;

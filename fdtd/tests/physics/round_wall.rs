@@ -1,0 +1,39 @@
+//! A rigid cylinder and a round room: [`fdtd::validation::round`] says layout, formula, bias and tolerance.
+
+use fdtd::validation::round::{DETUNING, MODES, ROUND, SCHEMES, detuned, largest};
+use fdtd::walls::WallModel;
+
+#[test]
+fn a_cylinder_echoes_and_shades_as_its_series_says() {
+    for scheme in SCHEMES {
+        for (round_deg, allowed) in ROUND {
+            let error = largest(scheme, WallModel::CutCells, round_deg).expect("a finite field");
+            println!(
+                "cylinder, {scheme}, {round_deg} degrees round: level in dB, delay in s {error:?}"
+            );
+            for (error, allowed) in error.into_iter().zip(allowed) {
+                assert!(
+                    error.abs() < allowed,
+                    "{scheme}, {round_deg} degrees round: {error}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn standing_waves_of_a_round_room_have_their_frequencies() {
+    for scheme in SCHEMES {
+        for mode in MODES {
+            let error = detuned(scheme, WallModel::CutCells, mode);
+            println!("round room, {scheme}, mode {mode:?}: {error:+.1e}");
+            assert!(error.abs() < DETUNING, "{scheme}, {mode:?}: {error}");
+        }
+    }
+    // What the test can tell: stairs are off by more.
+    let stairs = MODES.map(|mode| detuned(SCHEMES[1], WallModel::Staircase, mode).abs());
+    assert!(
+        stairs.into_iter().fold(0.0, f64::max) > 3.0 * DETUNING,
+        "{stairs:?}"
+    );
+}

@@ -46,7 +46,7 @@ pub(crate) struct Arguments {
     /// Scheme of the field, slf, m13, o13 or d25; the scene's unless given.
     #[arg(long, value_parser = named::<Scheme>)]
     scheme: Option<Scheme>,
-    /// Spreading of source and receiver, bilinear, kaiser8 or kaiser12; the scene's unless given.
+    /// Spreading of source and receiver, bilinear, gaussian, kaiser8 or kaiser12; the scene's unless given.
     #[arg(long, value_parser = named::<Spread>)]
     spread: Option<Spread>,
     /// How walls become cells of the field, staircase or cut-cells; the scene's way unless given.

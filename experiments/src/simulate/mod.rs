@@ -177,11 +177,14 @@ fn field_signal(
         simulation.load_checkpoint(&checkpoint.path)?;
     }
     let mut saved = Instant::now();
-    let mut next_picture_s = 0.0;
+    // The field goes on a little beyond the end of the drive, for the filter; pictures do not.
+    let end_s = scene.path(&take.path)?.duration_s();
+    if let Some(snapshots) = snapshots {
+        simulation.look_every(snapshots.every_s);
+    }
     let mut trouble: Option<anyhow::Error> = None;
     let outcome = simulation.run(&mut |progress, simulation| {
         task.set(progress.step);
-        let t_s = simulation.time_s();
         let mut duties = || -> Result<()> {
             if let Some(checkpoint) = checkpoint
                 && saved.elapsed() > CHECKPOINT_PERIOD
@@ -190,11 +193,10 @@ fn field_signal(
                 save(simulation, &checkpoint.path)?;
             }
             if let Some(snapshots) = snapshots
-                && t_s >= next_picture_s
-                && simulation.is_listening()
+                && simulation.is_look()
+                && simulation.time_s() <= end_s
             {
-                next_picture_s =
-                    (t_s / snapshots.every_s).floor() * snapshots.every_s + snapshots.every_s;
+                let t_s = simulation.time_s();
                 let frame = simulation.pressure_frame();
                 crate::figures::snapshot::draw(scene, &take.path, t_s, &frame, &snapshots.folder)?;
             }

@@ -6,3 +6,4 @@ mod end_to_end;
 mod example;
 mod figures;
 mod room;
+mod snapshots;

@@ -19,13 +19,14 @@ use crate::field::{FastField, Field, ReferenceField, StepForcing};
 use crate::scene::Scene;
 use crate::waveform::PeriodicWaveform;
 
+use flow::Rhythm;
 use pieces::Plan;
 
 /// Steps of a drive up to which its small numbers are set to zero ([`crate::field::is_quiet`]): 0.8 s on the papers' grid. In a longer one the start, the only
 /// time at which there are subnormal numbers, is less than a thousandth, and quiet steps would cost more than they save.
 const MOST_QUIET_STEPS: u64 = 100_000;
 
-/// Steps between two calls of the observer.
+/// Most steps between two calls of the observer.
 const CHUNK: u64 = 256;
 
 /// A field with its moving source and receiver.
@@ -43,6 +44,8 @@ pub struct Simulation {
     decimator: Decimator,
     threads: usize,
     reference_engine: bool,
+    /// When the observer wants to look, beside the progress.
+    looks: Option<Rhythm>,
 }
 
 /// What is wanted of a run.
@@ -133,6 +136,20 @@ impl Simulation {
         self.drive.set_quiet(true);
     }
 
+    /// Calls the observer of [`Simulation::run`] at every multiple of `period_s` seconds of the drive too, to the nearest step; there
+    /// [`Simulation::is_look`] says so.
+    pub fn look_every(&mut self, period_s: f64) {
+        self.looks = Some(Rhythm::new(period_s, self.domain.grid.dt_s));
+    }
+
+    /// Whether the drive has come to a time of [`Simulation::look_every`], past the warm-up of a free field's piece.
+    pub fn is_look(&self) -> bool {
+        self.is_listening()
+            && self
+                .looks
+                .is_some_and(|looks| looks.is_on(self.drive_step()))
+    }
+
     /// A run whose pieces `plan` makes of the domain and the number of steps.
     fn build(
         domain: Domain,
@@ -169,6 +186,7 @@ impl Simulation {
             decimator,
             threads,
             reference_engine: options.reference_engine,
+            looks: None,
         })
     }
 
@@ -185,7 +203,7 @@ impl Simulation {
         self.drive.enter(&self.plan.pieces[piece]);
     }
 
-    /// Runs to the end, or until the observer says stop; `observer` is called about every 256 steps.
+    /// Runs to the end, or until the observer says stop; `observer` is called every 256 steps or sooner.
     ///
     /// # Errors
     /// [`Error::NonFinite`] as soon as the field is not finite any more.
@@ -200,7 +218,8 @@ impl Simulation {
                 self.enter(piece);
             }
             let first = self.drive_step();
-            let end = self.plan.pieces[piece].to.min(first + CHUNK);
+            let look = self.looks.map_or(u64::MAX, |looks| looks.next_after(first));
+            let end = self.plan.pieces[piece].to.min(first + CHUNK).min(look);
             let steps: Vec<StepForcing> =
                 (first..end).map(|step| self.drive.forcing(step)).collect();
             self.field.advance(&steps, &mut self.heard);

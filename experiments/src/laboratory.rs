@@ -63,6 +63,8 @@ pub struct Laboratory {
     engine: Engine,
     prints: Mutex<HashMap<String, String>>,
     maps: Mutex<HashMap<String, Arc<MapImage>>>,
+    /// The echoes that were measured last: studies that follow each other share them.
+    recent: Mutex<Option<(String, Arc<EchoSequence>)>>,
 }
 
 impl Laboratory {
@@ -111,6 +113,7 @@ impl Laboratory {
             request: request.clone(),
             prints: Mutex::default(),
             maps: Mutex::default(),
+            recent: Mutex::default(),
         })
     }
 
@@ -266,11 +269,7 @@ impl Laboratory {
     pub fn map(&self, scheme: Option<Scheme>, parameters: &Parameters) -> Result<Arc<MapImage>> {
         let parameters = measurement_of(parameters, &self.parameters);
         let take = self.take("mapping", scheme);
-        let name = format!(
-            "{} {}",
-            self.key(&take)?,
-            serde_json::to_string(&parameters)?
-        );
+        let name = self.name_of(&take, &parameters)?;
         if let Some(map) = self
             .maps
             .lock()
@@ -286,6 +285,30 @@ impl Laboratory {
             maps.insert(name, Arc::clone(&map));
         }
         Ok(map)
+    }
+
+    /// The echoes of a take without noise, measured with these parameters (see [`measurement_of`]).
+    ///
+    /// # Errors
+    /// When the recording is missing or cannot be measured.
+    pub fn echoes(&self, take: &Take, parameters: &Parameters) -> Result<Arc<EchoSequence>> {
+        let name = self.name_of(take, parameters)?;
+        let known = self.recent.lock().ok().and_then(|recent| recent.clone());
+        if let Some((_, echoes)) = known.filter(|(known, _)| *known == name) {
+            return Ok(echoes);
+        }
+        let recording = self.recording(take, false)?;
+        let echoes = Arc::new(echoes::measure(&recording, parameters)?);
+        if let Ok(mut recent) = self.recent.lock() {
+            *recent = Some((name, Arc::clone(&echoes)));
+        }
+        Ok(echoes)
+    }
+
+    /// Everything that determines what is measured of a take.
+    fn name_of(&self, take: &Take, parameters: &Parameters) -> Result<String> {
+        let parameters = serde_json::to_string(parameters)?;
+        Ok(format!("{} {parameters}", self.key(take)?))
     }
 }
 

@@ -1,26 +1,25 @@
 //! Localization trials: measured echoes are shared, filter runs go in parallel, results are kept in the cache.
 
+mod noisy;
+mod plain;
+
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::{Context, Result};
 use fdtd::scheme::Scheme;
 use localizer::pose::wrap_angle;
-use localizer::{EchoSequence, MapImage, Parameters, Recording, echoes, offline, random};
-use rayon::prelude::*;
+use localizer::{Estimate, Parameters, Recording, random};
 use serde::{Deserialize, Serialize};
 
-use crate::cache::Key;
-use crate::interrupt;
+use crate::cache::{Cache, Key};
 use crate::laboratory::{Laboratory, measurement_of};
 use crate::metrics::{Accuracy, rounded};
 use crate::noise::Noise;
+use crate::progress::Task;
 
 /// Version of the code around the localizer that results depend on (noise, errors).
 const VERSION: u32 = 2;
-
-/// Most sets of measured echoes without noise held in memory at the same time.
-const MOST_SEQUENCES: usize = 4;
 
 /// One run of the filter.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,6 +72,33 @@ pub fn accuracy(results: &[TrialResult]) -> Accuracy {
     Accuracy::over(&errors)
 }
 
+/// The number of a trial in a study, and what it gave.
+type Finished = (usize, TrialResult);
+
+/// Where results go, and how far a study is.
+struct Output<'a> {
+    cache: &'a Cache,
+    /// Names of the trials' results in the cache.
+    keys: &'a [String],
+    task: &'a Task,
+    done: AtomicU64,
+}
+
+impl Output<'_> {
+    /// Keeps the result of a trial, which is thereby done.
+    fn keep(&self, index: usize, result: &TrialResult) -> Result<()> {
+        self.cache.put("trials", &self.keys[index], result)?;
+        self.task.set(1 + self.done.fetch_add(1, Ordering::Relaxed));
+        Ok(())
+    }
+
+    /// Shows that beside the trials done some are on their way, as if so many were done.
+    fn show(&self, on_their_way: usize) {
+        self.task
+            .set(self.done.load(Ordering::Relaxed) + on_their_way as u64);
+    }
+}
+
 /// Trials that share measured echoes.
 struct Group<'a> {
     scheme: Option<Scheme>,
@@ -98,34 +124,19 @@ impl Laboratory {
         let groups = self.groups(trials, &results)?;
         let missing: u64 = groups.iter().map(|group| group.members.len() as u64).sum();
         let task = self.board.task(label, missing);
-        let mut done = 0;
-        for batch in batches(groups, self.threads.clamp(1, MOST_SEQUENCES)) {
-            interrupt::check()?;
-            let benches = self.benches(&batch)?;
-            let runs: Vec<(usize, &Trial, &Bench)> = batch
-                .iter()
-                .zip(&benches)
-                .flat_map(|(group, bench)| {
-                    group
-                        .members
-                        .iter()
-                        .map(move |(index, trial)| (*index, *trial, bench))
-                })
-                .collect();
-            let finished = runs
-                .par_iter()
-                .map(|(index, trial, bench)| {
-                    interrupt::check()?;
-                    let result = bench.run(trial)?;
-                    self.cache.put("trials", &keys[*index], &result)?;
-                    Ok((*index, result))
-                })
-                .collect::<Result<Vec<_>>>()?;
-            done += finished.len() as u64;
-            task.set(done);
-            for (index, result) in finished {
-                results[index] = Some(result);
-            }
+        let output = Output {
+            cache: &self.cache,
+            keys: &keys,
+            task: &task,
+            done: AtomicU64::new(0),
+        };
+        let (noisy, plain): (Vec<_>, Vec<_>) =
+            groups.into_iter().partition(|group| group.noise.is_some());
+        let mut finished = self.plain_trials(plain, &output)?;
+        finished.extend(self.noisy_trials(noisy, &output)?);
+        task.finish();
+        for (index, result) in finished {
+            results[index] = Some(result);
         }
         results
             .into_iter()
@@ -178,115 +189,43 @@ impl Laboratory {
         }
         Ok(groups)
     }
-
-    /// Measures what the trials of each group share.
-    fn benches(&self, batch: &[Group<'_>]) -> Result<Vec<Bench>> {
-        let Some(noise) = batch.first().and_then(|group| group.noise) else {
-            return batch.iter().map(|group| self.bench(group)).collect();
-        };
-        // They differ in the level of the noise only.
-        let group = &batch[0];
-        let map = self.map(group.scheme, &group.parameters)?;
-        let take = self.take("localization", group.scheme);
-        let recording = Arc::new(self.recording(&take, true)?);
-        let direct = recording.direct.as_deref().unwrap_or_default();
-        let samples = noise.samples(recording.signal.len());
-        let levels: Vec<f32> = batch
-            .iter()
-            .filter_map(|group| group.noise)
-            .map(|noise| noise.level(&recording.signal, direct, &samples) as f32)
-            .collect();
-        let samples: Vec<f32> = samples.iter().map(|&sample| sample as f32).collect();
-        let sequences = echoes::measure_noisy(&recording, &samples, &levels, &group.parameters)?;
-        let bench = |sequence| Bench {
-            recording: Arc::clone(&recording),
-            sequence,
-            map: Arc::clone(&map),
-        };
-        Ok(sequences.into_iter().map(bench).collect())
-    }
-
-    /// Measures what the trials of a group without noise share.
-    fn bench(&self, group: &Group<'_>) -> Result<Bench> {
-        let map = self.map(group.scheme, &group.parameters)?;
-        let take = self.take("localization", group.scheme);
-        let recording = Arc::new(self.recording(&take, false)?);
-        let sequence = echoes::measure(&recording, &group.parameters)?;
-        Ok(Bench {
-            recording,
-            sequence,
-            map,
-        })
-    }
 }
 
-/// Groups that are measured together, in order of appearance: all that differ in nothing but the level of one noise; of those without noise, up to
-/// `most`.
-fn batches(groups: Vec<Group<'_>>, most: usize) -> Vec<Vec<Group<'_>>> {
-    let mut batches: Vec<Vec<Group<'_>>> = Vec::new();
-    for group in groups {
-        let place = batches.iter().position(|batch| match group.noise {
-            Some(noise) => batch[0].differs_in_level(&group, noise),
-            None => batch[0].noise.is_none() && batch.len() < most,
-        });
-        match place {
-            Some(place) => batches[place].push(group),
-            None => batches.push(vec![group]),
-        }
-    }
-    batches
+/// Random stream of a trial's filter.
+fn seed_of(trial: &Trial) -> u64 {
+    random::trial_seed("filter", "", trial.trial)
 }
 
-impl Group<'_> {
-    /// Whether another group's noise is this one's but for its level, and all else the same.
-    fn differs_in_level(&self, other: &Group<'_>, noise: Noise) -> bool {
-        self.noise.is_some_and(|own| own.trial == noise.trial)
-            && self.scheme == other.scheme
-            && self.parameters == other.parameters
+/// What a filter's estimates are off the truth of a recording.
+///
+/// # Errors
+/// When the recording has no truth.
+fn result_of(recording: &Recording, estimates: &[Estimate]) -> Result<TrialResult> {
+    let truth = recording
+        .truth
+        .as_ref()
+        .context("recording: truth.tum: is missing")?;
+    let mut result = TrialResult {
+        t_s: Vec::new(),
+        x_m: Vec::new(),
+        y_m: Vec::new(),
+        heading_rad: Vec::new(),
+        error_m: Vec::new(),
+        heading_error_rad: Vec::new(),
+    };
+    for estimate in estimates {
+        let pose = estimate.pose;
+        let true_pose = truth
+            .pose_at(estimate.t_s)
+            .context("recording: truth.tum: is empty")?;
+        result.t_s.push(rounded(estimate.t_s));
+        result.x_m.push(rounded(pose.x_m));
+        result.y_m.push(rounded(pose.y_m));
+        result.heading_rad.push(rounded(pose.heading_rad));
+        result.error_m.push(rounded(pose.distance_m(&true_pose)));
+        result.heading_error_rad.push(rounded(wrap_angle(
+            pose.heading_rad - true_pose.heading_rad,
+        )));
     }
-}
-
-/// Echoes, map and truth on which filters are tried.
-struct Bench {
-    recording: Arc<Recording>,
-    sequence: EchoSequence,
-    map: Arc<MapImage>,
-}
-
-impl Bench {
-    /// Runs the filter once.
-    fn run(&self, trial: &Trial) -> Result<TrialResult> {
-        let seed = random::trial_seed("filter", "", trial.trial);
-        let start = self.recording.start_pose();
-        let estimates =
-            offline::localize(&self.sequence, &self.map, &trial.parameters, start, seed)?;
-        let truth = self
-            .recording
-            .truth
-            .as_ref()
-            .context("recording: truth.tum: is missing")?;
-        let mut result = TrialResult {
-            t_s: Vec::new(),
-            x_m: Vec::new(),
-            y_m: Vec::new(),
-            heading_rad: Vec::new(),
-            error_m: Vec::new(),
-            heading_error_rad: Vec::new(),
-        };
-        for estimate in estimates {
-            let pose = estimate.pose;
-            let true_pose = truth
-                .pose_at(estimate.t_s)
-                .context("recording: truth.tum: is empty")?;
-            result.t_s.push(rounded(estimate.t_s));
-            result.x_m.push(rounded(pose.x_m));
-            result.y_m.push(rounded(pose.y_m));
-            result.heading_rad.push(rounded(pose.heading_rad));
-            result.error_m.push(rounded(pose.distance_m(&true_pose)));
-            result.heading_error_rad.push(rounded(wrap_angle(
-                pose.heading_rad - true_pose.heading_rad,
-            )));
-        }
-        Ok(result)
-    }
+    Ok(result)
 }

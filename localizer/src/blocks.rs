@@ -12,6 +12,9 @@ use crate::pose::Odometry;
 use crate::receiver::remove_direct;
 use crate::recording::Recording;
 
+/// Blocks that one thread takes at a time: few, so that no thread waits long for another at the end.
+const TOGETHER: usize = 8;
+
 /// A recording that was checked, and how it is cut into blocks.
 pub(crate) struct Drive<'a> {
     parameters: &'a Parameters,
@@ -100,6 +103,11 @@ impl<'a> Drive<'a> {
         remove_direct(received, &directs[index], freed);
     }
 
+    /// Odometry of the periods of block `index`, preceded by that of the period before if there is one.
+    pub(crate) fn recent_odometry(&self, index: usize) -> &[Odometry] {
+        &self.odometry[index.saturating_sub(1)..index + self.parameters.periods]
+    }
+
     /// Mean odometry of the periods of block `index`.
     pub(crate) fn odometry_of(&self, index: usize) -> &[Odometry] {
         &self.odometry[index..index + self.parameters.periods]
@@ -122,6 +130,7 @@ pub(crate) fn map_blocks<B, T: Send>(
     let directs = drive.directs(&drive.signal);
     let blocks = (0..directs.len())
         .into_par_iter()
+        .with_max_len(TOGETHER)
         .map_init(
             || (buffers(bank), vec![0.0; bank.block_length()]),
             |(own, freed), index| {

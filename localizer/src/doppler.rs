@@ -111,8 +111,8 @@ impl DopplerBank {
         scratch: &mut DopplerScratch,
         intensity: &mut Array2<f32>,
     ) {
-        self.resampler.prepare(block, &mut scratch.branches);
-        for first in self.pairs() {
+        self.prepare(block, scratch);
+        for first in Self::pairs(self.directions) {
             self.correlate(first, v_mps, scratch);
             let DopplerScratch {
                 correlation,
@@ -124,39 +124,18 @@ impl DopplerBank {
         }
     }
 
-    /// [`Self::measure`] of a block to which noise of several levels is added, `block + level noise`: all but the envelope is linear, so that block
-    /// and noise are correlated once each. One intensity for each level; `scratch` holds the buffers of block and noise.
-    pub fn measure_noisy(
-        &self,
-        [block, noise]: [&[f32]; 2],
-        levels: &[f32],
-        v_mps: f64,
-        scratch: &mut [DopplerScratch; 2],
-        intensities: &mut [Array2<f32>],
-    ) {
-        let [of_block, of_noise] = scratch;
-        self.resampler.prepare(block, &mut of_block.branches);
-        self.resampler.prepare(noise, &mut of_noise.branches);
-        for first in self.pairs() {
-            self.correlate(first, v_mps, of_block);
-            self.correlate(first, v_mps, of_noise);
-            let (signal, noise) = (&of_block.correlation, &of_noise.correlation);
-            let envelopes = &mut of_block.envelopes;
-            for (&level, intensity) in levels.iter().zip(&mut *intensities) {
-                self.correlator
-                    .envelopes_of_sum(signal, noise, level, envelopes);
-                self.keep(first, envelopes, intensity);
-            }
-        }
+    /// The first of each two of the directions `0..=directions`, which share their transforms.
+    pub(crate) fn pairs(directions: usize) -> impl Iterator<Item = usize> {
+        (0..=directions).step_by(2)
     }
 
-    /// The first of each two directions, which share their transforms.
-    fn pairs(&self) -> impl Iterator<Item = usize> + use<> {
-        (0..=self.directions).step_by(2)
+    /// Prepares a block for [`Self::correlate`].
+    pub(crate) fn prepare(&self, block: &[f32], scratch: &mut DopplerScratch) {
+        self.resampler.prepare(block, &mut scratch.branches);
     }
 
     /// Eqs. (1)-(3) up to the envelope, for direction `first` and the next one of the prepared block.
-    fn correlate(&self, first: usize, v_mps: f64, scratch: &mut DopplerScratch) {
+    pub(crate) fn correlate(&self, first: usize, v_mps: f64, scratch: &mut DopplerScratch) {
         for (direction, folded) in (first..=self.directions).zip(&mut scratch.folded) {
             self.resampler.fold(
                 &scratch.branches,
@@ -167,6 +146,25 @@ impl DopplerBank {
         }
         self.correlator
             .correlate(&scratch.folded, &mut scratch.correlation);
+    }
+
+    /// Writes the envelopes of `signal + level noise`, both correlated, as [`Self::measure`] does those of a signal: all before the envelope is linear.
+    pub(crate) fn keep_sum(
+        &self,
+        first: usize,
+        signal: &DopplerScratch,
+        noise: &mut DopplerScratch,
+        level: f32,
+        intensity: &mut Array2<f32>,
+    ) {
+        let DopplerScratch {
+            correlation,
+            envelopes,
+            ..
+        } = noise;
+        self.correlator
+            .envelopes_of_sum(&signal.correlation, correlation, level, envelopes);
+        self.keep(first, envelopes, intensity);
     }
 
     /// Writes the envelopes of direction `first` and the next one, pooled, to their rows.

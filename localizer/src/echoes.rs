@@ -1,9 +1,8 @@
 //! The echoes of a whole recording: H of every block, measured once and reused by maps and filters.
 
 use ndarray::{Array2, ArrayView2, aview1};
-use rayon::prelude::*;
 
-use crate::blocks::{Drive, map_blocks};
+use crate::blocks::map_blocks;
 use crate::doppler::DopplerBank;
 use crate::error::Error;
 use crate::parameters::{Method, Parameters, ToaImage};
@@ -129,80 +128,9 @@ pub fn measure(recording: &Recording, parameters: &Parameters) -> Result<EchoSeq
     })
 }
 
-/// Measures the echoes of a recording to whose signal noise of several levels is added, `signal + level noise`: what [`measure`] gives for each of
-/// the sums, within rounding, for little more than the time of two of them.
-///
-/// `noise` is as long as the signal. A free-field direct wave is subtracted from the signal alone.
-///
-/// # Errors
-/// As [`measure`], and [`Error::Invalid`] when `noise` has another length than the signal.
-pub fn measure_noisy(
-    recording: &Recording,
-    noise: &[f32],
-    levels: &[f32],
-    parameters: &Parameters,
-) -> Result<Vec<EchoSequence>, Error> {
-    let drive = Drive::new(recording, parameters)?;
-    if noise.len() != drive.signal.len() {
-        let problem = format!(
-            "{} samples of noise for {} of the signal",
-            noise.len(),
-            drive.signal.len()
-        );
-        return Err(Error::invalid("noise", "length", problem, "give as many"));
-    }
-    let bank = &drive.bank;
-    let directs = [&*drive.signal, noise].map(|signal| drive.directs(signal));
-    let blocks: Vec<Vec<EchoBlock>> = (0..directs[0].len())
-        .into_par_iter()
-        .map_init(
-            || {
-                let freed = || vec![0.0; bank.block_length()];
-                ([bank.scratch(), bank.scratch()], [freed(), freed()])
-            },
-            |(scratch, freed), index| {
-                let [block, added] = freed;
-                drive.free(&drive.signal, &directs[0], index, block);
-                drive.free(noise, &directs[1], index, added);
-                let mut proto = EchoBlock::empty(bank);
-                proto.set_motion(parameters, index, drive.odometry_of(index));
-                let mut intensities: Vec<Array2<f32>> =
-                    levels.iter().map(|_| bank.intensity()).collect();
-                let v_mps = proto.odometry.v_mps;
-                bank.measure_noisy([block, added], levels, v_mps, scratch, &mut intensities);
-                let noisy = intensities.into_iter().map(|intensity| {
-                    let mut block = EchoBlock {
-                        intensity,
-                        ..proto.clone()
-                    };
-                    block.set_toa(parameters.toa_image);
-                    block
-                });
-                noisy.collect()
-            },
-        )
-        .collect();
-    let mut sequences: Vec<EchoSequence> = levels
-        .iter()
-        .map(|_| EchoSequence {
-            parameters: parameters.clone(),
-            blocks: Vec::with_capacity(blocks.len()),
-            odometry: drive.odometry.clone(),
-        })
-        .collect();
-    for levels in blocks {
-        for (sequence, block) in sequences.iter_mut().zip(levels) {
-            sequence.blocks.push(block);
-        }
-    }
-    Ok(sequences)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::DirectWave;
-    use crate::recording::{OdometrySample, RecordingMeta};
 
     #[test]
     fn a_range_only_image_is_the_mean_or_the_strongest_of_the_directions() {
@@ -220,65 +148,5 @@ mod tests {
         block.set_toa(ToaImage::Mean);
         assert_eq!(block.toa_intensity[7], 2.0);
         assert_eq!(block.toa_intensity[8], 0.0);
-    }
-
-    /// Noise of several levels, against the sums measured one by one, for every way of removing the direct wave.
-    #[test]
-    fn noisy_echoes_are_those_of_the_sums() {
-        for direct_wave in [
-            DirectWave::Keep,
-            DirectWave::RunningMean,
-            DirectWave::GatedMean,
-            DirectWave::FreeField,
-        ] {
-            let parameters = Parameters {
-                periods: 2,
-                directions: 4,
-                direct_wave,
-                range_pool_m: 0.01,
-                ..Parameters::default()
-            };
-            let length = 5 * parameters.samples_per_period();
-            let wave = |a: f32| -> Vec<f32> {
-                (0..length)
-                    .map(|k| (k as f32 * a).sin() + (((k * k) % 8191) as f32 * 0.7).cos())
-                    .collect()
-            };
-            let (signal, noise) = (wave(0.31), wave(1.13));
-            let mut recording = Recording {
-                signal: signal.clone(),
-                direct: Some(wave(0.31)),
-                odometry: [0.0, 1.0]
-                    .map(|t_s| OdometrySample {
-                        t_s,
-                        v_mps: 0.3 + 0.1 * t_s,
-                        omega_radps: 0.1,
-                    })
-                    .to_vec(),
-                truth: None,
-                meta: RecordingMeta::from_parameters(&parameters),
-            };
-            let levels = [0.0, 0.4, 3.0];
-            let noisy = measure_noisy(&recording, &noise, &levels, &parameters).expect("valid");
-            assert_eq!(noisy.len(), levels.len());
-            for (sequence, level) in noisy.iter().zip(levels) {
-                for ((sum, signal), noise) in recording.signal.iter_mut().zip(&signal).zip(&noise) {
-                    *sum = signal + level * noise;
-                }
-                let plain = measure(&recording, &parameters).expect("valid");
-                assert_eq!(sequence.blocks.len(), plain.blocks.len());
-                for (fast, plain) in sequence.blocks.iter().zip(&plain.blocks) {
-                    let largest = plain.intensity.iter().fold(0.0_f32, |a, &b| a.max(b));
-                    for (fast, plain) in fast.intensity.iter().zip(&plain.intensity) {
-                        assert!(
-                            (fast - plain).abs() < 3e-6 * (largest + 1.0),
-                            "{fast} is not {plain} at {level}"
-                        );
-                    }
-                    assert_eq!((fast.t_s, fast.odometry), (plain.t_s, plain.odometry));
-                }
-            }
-            assert!(measure_noisy(&recording, &noise[1..], &levels, &parameters).is_err());
-        }
     }
 }

@@ -38,6 +38,7 @@ pub mod map_image;
 mod matcher;
 pub mod multipath;
 pub mod mutual_information;
+pub mod noisy;
 pub mod offline;
 pub mod parameters;
 pub mod particle_filter;

@@ -23,15 +23,29 @@ pub fn localize(
     start: Pose,
     seed: u64,
 ) -> Result<Vec<Estimate>, Error> {
-    check_measurement(&echoes.parameters, parameters)?;
-    map.check(parameters)?;
-    let mut tracker = Tracker::new(parameters, start, seed)?;
+    let mut tracker = tracker(&echoes.parameters, map, parameters, start, seed)?;
     Ok(echoes
         .blocks
         .iter()
         .enumerate()
         .map(|(index, block)| tracker.update(block, echoes.recent_odometry(index), map))
         .collect())
+}
+
+/// A tracker for blocks of echoes that were measured with the parameters `measured`, to be matched with `map`.
+///
+/// # Errors
+/// As [`localize`].
+pub fn tracker(
+    measured: &Parameters,
+    map: &MapImage,
+    parameters: &Parameters,
+    start: Pose,
+    seed: u64,
+) -> Result<Tracker, Error> {
+    check_measurement(measured, parameters)?;
+    map.check(parameters)?;
+    Tracker::new(parameters, start, seed)
 }
 
 /// The expected poses of a run as a trajectory.

@@ -4,44 +4,73 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use fdtd::scene::Scene;
+use fdtd::simulation::Simulation;
 use fdtd::walls::rasterize;
 
 use super::canvas::write_png;
 use crate::metrics::quantile;
 
-/// Draws the frame (columns, rows, pressures `[iy, ix]` in Pa) of the drive `path` at `t_s` into `folder`; the file name holds the time in
-/// microseconds. Red is pressure above, blue below the mean; the scale is the frame's own.
+/// The pressure field at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Time of the drive, seconds.
+    pub t_s: f64,
+    /// Where in the scene it begins, metres.
+    pub origin_m: [f64; 2],
+    /// Columns.
+    pub nx: usize,
+    /// Rows.
+    pub ny: usize,
+    /// Pressures in Pa, `[iy, ix]`.
+    pub pressures: Vec<f32>,
+}
+
+impl Frame {
+    /// The field of a simulation now.
+    pub fn of(simulation: &Simulation) -> Self {
+        let (nx, ny, pressures) = simulation.pressure_frame();
+        Self {
+            t_s: simulation.time_s(),
+            origin_m: simulation.origin_m(),
+            nx,
+            ny,
+            pressures,
+        }
+    }
+}
+
+/// Draws a frame of the drive `path` into `folder`; the file name holds the time in microseconds. Red is pressure above, blue below the mean; the scale is the
+/// frame's own. A drive in free field has a domain of its own, without walls.
 ///
 /// # Errors
 /// When the scene has no such path or the picture cannot be written.
-pub fn draw(
-    scene: &Scene,
-    path: &str,
-    t_s: f64,
-    frame: &(usize, usize, Vec<f32>),
-    folder: &Path,
-) -> Result<PathBuf> {
-    let (columns, rows, pressures) = frame;
+pub fn draw(scene: &Scene, path: &str, frame: &Frame, folder: &Path) -> Result<PathBuf> {
+    let Frame {
+        t_s,
+        nx,
+        ny,
+        ref pressures,
+        ..
+    } = *frame;
     let magnitudes: Vec<f64> = pressures
         .iter()
         .step_by(17)
         .map(|value| f64::from(value.abs()))
         .collect();
     let full = quantile(&magnitudes, 0.995).max(f64::MIN_POSITIVE);
-    // A drive in free field has a domain of its own, without walls.
-    let whole = (*columns, *rows) == (scene.grid.nx, scene.grid.ny);
+    let whole = [nx, ny] == [scene.grid.nx, scene.grid.ny];
     let solid = rasterize(&scene.grid, if whole { &scene.walls } else { &[] });
-    let robot = scene
-        .grid
-        .to_cells(scene.path(path)?.point_at(t_s, [0.0, 0.0]));
-    let mut pixels = Vec::with_capacity(3 * columns * rows);
-    for iy in (0..*rows).rev() {
-        for ix in 0..*columns {
-            let index = iy * columns + ix;
+    let [x, y] = scene.path(path)?.point_at(t_s, [0.0, 0.0]);
+    let from_origin = [x - frame.origin_m[0], y - frame.origin_m[1]];
+    let robot = scene.grid.to_cells(from_origin);
+    let mut pixels = Vec::with_capacity(3 * nx * ny);
+    for iy in (0..ny).rev() {
+        for ix in 0..nx {
+            let index = iy * nx + ix;
             let distance = (ix as f64 - robot[0]).hypot(iy as f64 - robot[1]);
             pixels.extend(if whole && solid.cells.get(index) == Some(&true) {
                 [0, 0, 0]
-            } else if whole && distance < 5.0 {
+            } else if distance < 5.0 {
                 [0, 158, 115]
             } else {
                 shade(f64::from(pressures[index]) / full)
@@ -49,7 +78,7 @@ pub fn draw(
         }
     }
     let picture = folder.join(format!("pressure_{:09.0}us.png", t_s * 1e6));
-    write_png(&picture, *columns as u32, *rows as u32, &pixels)?;
+    write_png(&picture, nx as u32, ny as u32, &pixels)?;
     Ok(picture)
 }
 

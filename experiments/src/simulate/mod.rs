@@ -14,6 +14,7 @@ use fdtd::simulation::{Flow, Outcome, SOURCE_STRENGTH_M2PS, Simulation, Simulati
 use fdtd::waveform::PeriodicWaveform;
 use localizer::Parameters;
 
+use crate::figures::{self, snapshot::Frame};
 use crate::interrupt::{self, Interrupted};
 use crate::progress::Task;
 
@@ -196,9 +197,8 @@ fn field_signal(
                 && simulation.is_look()
                 && simulation.time_s() <= end_s
             {
-                let t_s = simulation.time_s();
-                let frame = simulation.pressure_frame();
-                crate::figures::snapshot::draw(scene, &take.path, t_s, &frame, &snapshots.folder)?;
+                let frame = Frame::of(simulation);
+                figures::snapshot::draw(scene, &take.path, &frame, &snapshots.folder)?;
             }
             Ok(())
         };
@@ -220,7 +220,7 @@ fn field_signal(
     match outcome {
         Outcome::Finished => {
             if let Some(snapshots) = snapshots {
-                crate::figures::animation::animate(&snapshots.folder)?;
+                figures::animation::animate(&snapshots.folder)?;
             }
             Ok(simulation.signal())
         }

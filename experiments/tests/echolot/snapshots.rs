@@ -83,6 +83,27 @@ fn pictures_show_walls_robot_and_sound_and_are_joined_to_an_animation() {
     assert_eq!(bytes(), pictured);
 }
 
+/// The domain of a free field is the drive's own; the robot is in it wherever it is in the room.
+#[test]
+fn a_free_field_shows_the_robot_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    scene_file(at);
+    let free = ["--free-field", "--snapshots", "field", "--every", "0.1"];
+    expect(at, &[&SIMULATE[..], &free].concat());
+    let file = File::open(at.join("field/pressure_000100000us.png")).unwrap();
+    let mut reader = png::Decoder::new(BufReader::new(file)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    assert!(info.width < 200 && info.height < 200, "{info:?}");
+    let robot = pixels
+        .chunks_exact(3)
+        .filter(|pixel| *pixel == [0, 158, 115])
+        .count();
+    // A disc of radius 5 pixels.
+    assert!((70..90).contains(&robot), "{robot}");
+}
+
 #[test]
 fn a_time_between_pictures_that_is_none_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -44,6 +44,8 @@ pub struct Simulation {
     decimator: Decimator,
     threads: usize,
     reference_engine: bool,
+    /// Lower left corner of the domain in the scene, metres.
+    origin_m: [f64; 2],
     /// When the observer wants to look, beside the progress.
     looks: Option<Rhythm>,
 }
@@ -98,12 +100,16 @@ impl Simulation {
             sample_rate_hz: scene.sample_rate_hz,
             band_hz: scene.waveform.band_hz[1],
         };
-        Self::build(domain, drive, &listening, options, |domain, steps| {
+        let simulation = Self::build(domain, drive, &listening, options, |domain, steps| {
             match (options.whole_domain, options.free_field) {
                 (true, _) => Plan::whole(domain, steps),
                 (false, true) => Plan::cheapest(domain, steps, &|t| points(t).map(shift)),
                 (false, false) => Plan::cropped(domain, steps, duration_s, &points),
             }
+        })?;
+        Ok(Self {
+            origin_m,
+            ..simulation
         })
     }
 
@@ -186,6 +192,7 @@ impl Simulation {
             decimator,
             threads,
             reference_engine: options.reference_engine,
+            origin_m: [0.0; 2],
             looks: None,
         })
     }
@@ -293,6 +300,11 @@ impl Simulation {
     /// The domain that is simulated; of a free-field run that around the whole drive.
     pub fn domain(&self) -> &Domain {
         &self.domain
+    }
+
+    /// Where in the scene the domain begins, `[x, y]` in metres: the origin, but for a free-field run, whose domain is cropped to the drive.
+    pub fn origin_m(&self) -> [f64; 2] {
+        self.origin_m
     }
 
     /// Threads in use.

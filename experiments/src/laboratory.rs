@@ -1,5 +1,7 @@
 //! The laboratory: the scene, the parameters and the cache that all studies of a run share.
 
+mod measured;
+
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -7,8 +9,8 @@ use std::sync::{Arc, Mutex};
 use anyhow::{Context, Result};
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
-use localizer::map_image::{self, MapImage};
-use localizer::{DirectWave, EchoSequence, Parameters, Recording, echoes};
+use localizer::{DirectWave, EchoSequence, MapImage, Parameters, Recording};
+use rayon::prelude::*;
 
 use crate::cache::{Cache, recording_key};
 use crate::preset::{Plan, Preset};
@@ -16,6 +18,8 @@ use crate::progress::Board;
 use crate::robot::Robot;
 use crate::schedule::{self, Job};
 use crate::simulate::{self, Engine, Take};
+
+pub use self::measured::{map_of, measurement_of};
 
 /// Path of a scene on which the direct wave is recorded as in an anechoic chamber: a short drive without walls. Loudspeaker
 /// and microphone ride on one robot, so that one period of it stands for all.
@@ -173,10 +177,7 @@ impl Laboratory {
     /// # Errors
     /// When the scene has no such path or the engine does not run.
     pub fn key(&self, take: &Take) -> Result<String> {
-        let engine = format!(
-            "{:?} {:?} {:?} {}",
-            take.engine, take.scheme, take.spread, take.free_field
-        );
+        let engine = engine_of(take);
         let known = self
             .prints
             .lock()
@@ -197,6 +198,12 @@ impl Laboratory {
     /// # Errors
     /// When the scene has no such path or the engine does not run.
     pub fn missing(&self, takes: &[Take]) -> Result<Vec<Job>> {
+        // Prints of engines take their time; keys of takes that share one are quick after the first.
+        let engines: BTreeMap<String, &Take> =
+            takes.iter().map(|take| (engine_of(take), take)).collect();
+        engines
+            .into_par_iter()
+            .try_for_each(|(_, take)| self.key(take).map(drop))?;
         let mut jobs: BTreeMap<String, Job> = BTreeMap::new();
         for take in takes {
             let key = self.key(take)?;
@@ -261,55 +268,14 @@ impl Laboratory {
         }
         Ok(recording)
     }
+}
 
-    /// The map that localization with these parameters and this scheme is matched with.
-    ///
-    /// # Errors
-    /// When the mapping recording is missing or cannot be measured.
-    pub fn map(&self, scheme: Option<Scheme>, parameters: &Parameters) -> Result<Arc<MapImage>> {
-        let parameters = measurement_of(parameters, &self.parameters);
-        let take = self.take("mapping", scheme);
-        let name = self.name_of(&take, &parameters)?;
-        if let Some(map) = self
-            .maps
-            .lock()
-            .ok()
-            .and_then(|maps| maps.get(&name).cloned())
-        {
-            return Ok(map);
-        }
-        let recording = self.recording(&take, false)?;
-        let sequence = echoes::measure(&recording, &parameters)?;
-        let map = Arc::new(map_of(&recording, &sequence)?);
-        if let Ok(mut maps) = self.maps.lock() {
-            maps.insert(name, Arc::clone(&map));
-        }
-        Ok(map)
-    }
-
-    /// The echoes of a take without noise, measured with these parameters (see [`measurement_of`]).
-    ///
-    /// # Errors
-    /// When the recording is missing or cannot be measured.
-    pub fn echoes(&self, take: &Take, parameters: &Parameters) -> Result<Arc<EchoSequence>> {
-        let name = self.name_of(take, parameters)?;
-        let known = self.recent.lock().ok().and_then(|recent| recent.clone());
-        if let Some((_, echoes)) = known.filter(|(known, _)| *known == name) {
-            return Ok(echoes);
-        }
-        let recording = self.recording(take, false)?;
-        let echoes = Arc::new(echoes::measure(&recording, parameters)?);
-        if let Ok(mut recent) = self.recent.lock() {
-            *recent = Some((name, Arc::clone(&echoes)));
-        }
-        Ok(echoes)
-    }
-
-    /// Everything that determines what is measured of a take.
-    fn name_of(&self, take: &Take, parameters: &Parameters) -> Result<String> {
-        let parameters = serde_json::to_string(parameters)?;
-        Ok(format!("{} {parameters}", self.key(take)?))
-    }
+/// All of a take that says what engine runs it, and how.
+fn engine_of(take: &Take) -> String {
+    format!(
+        "{:?} {:?} {:?} {}",
+        take.engine, take.scheme, take.spread, take.free_field
+    )
 }
 
 /// The last whole period of an anechoic recording, over and over.
@@ -319,34 +285,4 @@ fn repeated(anechoic: &[f32], parameters: &Parameters, length: usize) -> Result<
         .next_back()
         .context("the anechoic drive is shorter than one period of the code; make it longer")?;
     Ok(period.iter().copied().cycle().take(length).collect())
-}
-
-/// The map image of one recording with truth.
-///
-/// # Errors
-/// When the recording has no truth or no moving block.
-pub fn map_of(recording: &Recording, sequence: &EchoSequence) -> Result<MapImage> {
-    let truth = recording
-        .truth
-        .as_ref()
-        .context("recording: truth.tum: is missing; a map needs the true poses of its drive")?;
-    Ok(map_image::build(&[(sequence, &sequence.poses(truth))])?)
-}
-
-/// The parameters with everything that the filter alone uses set to that of `base`: equal for trials that can share measured echoes and map.
-pub fn measurement_of(parameters: &Parameters, base: &Parameters) -> Parameters {
-    Parameters {
-        method: base.method,
-        window_half_width_m: base.window_half_width_m,
-        particles: base.particles,
-        sigma_v_mps: base.sigma_v_mps,
-        sigma_omega_radps: base.sigma_omega_radps,
-        bins: base.bins,
-        integration: base.integration,
-        likelihood_exponent: base.likelihood_exponent,
-        resample_threshold: base.resample_threshold,
-        start_sigma_m: base.start_sigma_m,
-        start_sigma_rad: base.start_sigma_rad,
-        ..parameters.clone()
-    }
 }

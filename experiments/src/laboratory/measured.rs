@@ -1,0 +1,92 @@
+//! What is measured of recordings: echoes and maps, kept for the studies that follow.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result};
+use fdtd::scheme::Scheme;
+use localizer::map_image::{self, MapImage};
+use localizer::{EchoSequence, Parameters, Recording, echoes};
+
+use super::Laboratory;
+use crate::simulate::Take;
+
+impl Laboratory {
+    /// The map that localization with these parameters and this scheme is matched with.
+    ///
+    /// # Errors
+    /// When the mapping recording is missing or cannot be measured.
+    pub fn map(&self, scheme: Option<Scheme>, parameters: &Parameters) -> Result<Arc<MapImage>> {
+        let parameters = measurement_of(parameters, &self.parameters);
+        let take = self.take("mapping", scheme);
+        let name = self.name_of(&take, &parameters)?;
+        if let Some(map) = self
+            .maps
+            .lock()
+            .ok()
+            .and_then(|maps| maps.get(&name).cloned())
+        {
+            return Ok(map);
+        }
+        let recording = self.recording(&take, false)?;
+        let sequence = echoes::measure(&recording, &parameters)?;
+        let map = Arc::new(map_of(&recording, &sequence)?);
+        if let Ok(mut maps) = self.maps.lock() {
+            maps.insert(name, Arc::clone(&map));
+        }
+        Ok(map)
+    }
+
+    /// The echoes of a take without noise, measured with these parameters (see [`measurement_of`]).
+    ///
+    /// # Errors
+    /// When the recording is missing or cannot be measured.
+    pub fn echoes(&self, take: &Take, parameters: &Parameters) -> Result<Arc<EchoSequence>> {
+        let name = self.name_of(take, parameters)?;
+        let known = self.recent.lock().ok().and_then(|recent| recent.clone());
+        if let Some((_, echoes)) = known.filter(|(known, _)| *known == name) {
+            return Ok(echoes);
+        }
+        let recording = self.recording(take, false)?;
+        let echoes = Arc::new(echoes::measure(&recording, parameters)?);
+        if let Ok(mut recent) = self.recent.lock() {
+            *recent = Some((name, Arc::clone(&echoes)));
+        }
+        Ok(echoes)
+    }
+
+    /// Everything that determines what is measured of a take.
+    fn name_of(&self, take: &Take, parameters: &Parameters) -> Result<String> {
+        let parameters = serde_json::to_string(parameters)?;
+        Ok(format!("{} {parameters}", self.key(take)?))
+    }
+}
+
+/// The map image of one recording with truth.
+///
+/// # Errors
+/// When the recording has no truth or no moving block.
+pub fn map_of(recording: &Recording, sequence: &EchoSequence) -> Result<MapImage> {
+    let truth = recording
+        .truth
+        .as_ref()
+        .context("recording: truth.tum: is missing; a map needs the true poses of its drive")?;
+    Ok(map_image::build(&[(sequence, &sequence.poses(truth))])?)
+}
+
+/// The parameters with everything that the filter alone uses set to that of `base`: equal for trials that can share measured echoes and map.
+pub fn measurement_of(parameters: &Parameters, base: &Parameters) -> Parameters {
+    Parameters {
+        method: base.method,
+        window_half_width_m: base.window_half_width_m,
+        particles: base.particles,
+        sigma_v_mps: base.sigma_v_mps,
+        sigma_omega_radps: base.sigma_omega_radps,
+        bins: base.bins,
+        integration: base.integration,
+        likelihood_exponent: base.likelihood_exponent,
+        resample_threshold: base.resample_threshold,
+        start_sigma_m: base.start_sigma_m,
+        start_sigma_rad: base.start_sigma_rad,
+        ..parameters.clone()
+    }
+}

@@ -36,9 +36,9 @@ const KAISER12: KaiserSinc = KaiserSinc {
     beta: 6.2,
 };
 
-/// Standard deviation of the Gaussian in cells: the narrowest whose false sidebands stay 60 dB below the tone up to 15 kHz on the papers'
-/// grid. With `k` the wave's number in radians per cell, it passes `exp(-sigma^2 k^2 / 2)` of the wave and `exp(-sigma^2 (2 pi - k)^2 / 2)` of its
-/// alias, which for `k = 1.386` differ by 61 dB.
+/// Standard deviation of the Gaussian in cells: the narrowest whose alias is 60 dB weaker than the wave up to 15 kHz on the papers' grid. With `k` the wave's
+/// number in radians per cell, it passes `exp(-sigma^2 k^2 / 2)` of the wave and `exp(-sigma^2 (2 pi - k)^2 / 2)` of the alias, which for
+/// `k = 1.386` differ by 61 dB.
 const GAUSSIAN_SIGMA_CELLS: f64 = 0.8;
 
 /// Cells to each side that the Gaussian fills: at five standard deviations it has fallen to 4e-6.

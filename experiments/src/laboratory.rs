@@ -249,7 +249,7 @@ impl Laboratory {
     /// The recording of a take, with its direct wave when the parameters or the caller want it.
     ///
     /// # Errors
-    /// When it is not in the cache (see [`Self::record`]) or damaged.
+    /// When it is not in the cache (see [`Self::simulate`]) or damaged.
     pub fn recording(&self, take: &Take, with_direct: bool) -> Result<Recording> {
         let read = |take: &Take| -> Result<Recording> {
             let folder = self.cache.recording(&self.key(take)?);

@@ -82,20 +82,24 @@ struct Output<'a> {
     keys: &'a [String],
     task: &'a Task,
     done: AtomicU64,
+    /// Most that was shown: what is on its way does not seem undone when it arrives.
+    shown: AtomicU64,
 }
 
 impl Output<'_> {
     /// Keeps the result of a trial, which is thereby done.
     fn keep(&self, index: usize, result: &TrialResult) -> Result<()> {
         self.cache.put("trials", &self.keys[index], result)?;
-        self.task.set(1 + self.done.fetch_add(1, Ordering::Relaxed));
+        self.done.fetch_add(1, Ordering::Relaxed);
+        self.show(0);
         Ok(())
     }
 
     /// Shows that beside the trials done some are on their way, as if so many were done.
     fn show(&self, on_their_way: usize) {
-        self.task
-            .set(self.done.load(Ordering::Relaxed) + on_their_way as u64);
+        let count = self.done.load(Ordering::Relaxed) + on_their_way as u64;
+        let before = self.shown.fetch_max(count, Ordering::Relaxed);
+        self.task.set(before.max(count));
     }
 }
 
@@ -111,7 +115,7 @@ impl Laboratory {
     /// Results of the trials in their order, from the cache where it has them. `label` names the progress bar.
     ///
     /// # Errors
-    /// When a recording is missing (see [`Laboratory::record`]), the localizer refuses one, or the user interrupts.
+    /// When a recording is missing (see [`Laboratory::simulate`]), the localizer refuses one, or the user interrupts.
     pub fn trials(&self, label: &str, trials: &[Trial]) -> Result<Vec<TrialResult>> {
         let keys = trials
             .iter()
@@ -129,6 +133,7 @@ impl Laboratory {
             keys: &keys,
             task: &task,
             done: AtomicU64::new(0),
+            shown: AtomicU64::new(0),
         };
         let (noisy, plain): (Vec<_>, Vec<_>) =
             groups.into_iter().partition(|group| group.noise.is_some());

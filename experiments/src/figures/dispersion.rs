@@ -12,7 +12,7 @@ use super::legend::{Entry, legend};
 use crate::table::Table;
 
 /// Data files that the figure is drawn from.
-pub(crate) const NEEDS: [&str; 2] = ["dispersion.csv", "phase_velocity.csv"];
+pub(crate) const NEEDS: [&str; 2] = ["dispersion.csv", "velocity.csv"];
 
 /// Line of a scheme along a direction.
 fn stroke(scheme: &str, angle_deg: &str) -> Stroke {
@@ -72,21 +72,15 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
                         .collect();
                     axes.curve(&points, stroke(scheme, angle))?;
                 }
-                if column == "phase_error" {
-                    let rows = measured.only("scheme", scheme)?;
-                    let points: Vec<(f64, f64)> = rows
-                        .numbers("frequency_hz")?
-                        .into_iter()
-                        .map(|frequency_hz| 1e-3 * frequency_hz)
-                        .zip(
-                            rows.numbers("phase_error")?
-                                .into_iter()
-                                .map(|error| 100.0 * error),
-                        )
-                        .collect();
-                    let shade = stroke(scheme, "0").colour;
-                    axes.markers(&points, Marker::Disc, 17.0, shade)?;
-                }
+                let rows = measured.only("scheme", scheme)?;
+                let points: Vec<(f64, f64)> = rows
+                    .numbers("frequency_hz")?
+                    .into_iter()
+                    .map(|frequency_hz| 1e-3 * frequency_hz)
+                    .zip(rows.numbers(column)?.into_iter().map(|error| 100.0 * error))
+                    .collect();
+                let shade = stroke(scheme, "0").colour;
+                axes.markers(&points, Marker::Disc, 17.0, shade)?;
             }
             axes.finish(name)?;
         }

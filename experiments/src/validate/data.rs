@@ -47,16 +47,23 @@ pub(super) fn curves() -> Table {
     table
 }
 
-/// Phase velocities measured on the field.
+/// Phase and group velocities measured on the field.
 pub(super) fn measured(depth: Depth) -> Result<Table> {
-    let header = ["scheme", "angle_deg", "frequency_hz", "phase_error"];
+    let header = [
+        "scheme",
+        "angle_deg",
+        "frequency_hz",
+        "phase_error",
+        "group_error",
+    ];
     let mut table = Table::new(header);
     for velocity in dispersion::all(depth)? {
         table.push([
             velocity.scheme.to_string(),
             cell(velocity.angle_rad.to_degrees(), 1),
             cell(velocity.frequency_hz, 0),
-            cell(velocity.expected * (1.0 + velocity.error) - 1.0, 7),
+            cell(velocity.phase.off(), 7),
+            cell(velocity.group.off(), 7),
         ]);
     }
     Ok(table)

@@ -2,18 +2,20 @@
 
 use fdtd::scheme::Scheme;
 use fdtd::validation::Depth;
-use fdtd::validation::dispersion::all;
+use fdtd::validation::dispersion::{TOLERANCES, all};
 
 #[test]
-fn phase_velocity_over_frequency_and_angle() {
+fn velocity_over_frequency_and_angle() {
     let velocities = all(Depth::Full).expect("finite fields");
     assert_eq!(velocities.len(), 3 * 2 * 4 + 3 * 6);
     for velocity in velocities {
         println!("dispersion: {velocity:?}");
-        assert!(velocity.error.abs() < 1e-4, "{velocity:?}");
-        let off = velocity.expected * (1.0 + velocity.error) - 1.0;
+        let errors = [velocity.phase.error, velocity.group.error];
+        for (error, allowed) in errors.into_iter().zip(TOLERANCES) {
+            assert!(error.abs() < allowed, "{velocity:?}");
+        }
         assert!(
-            velocity.scheme != Scheme::D25 || off.abs() < 1e-3,
+            velocity.scheme != Scheme::D25 || velocity.phase.off().abs() < 1e-3,
             "{velocity:?}"
         );
     }

@@ -7,6 +7,7 @@ pub mod branches;
 pub mod corner;
 pub mod direct_method;
 pub mod dispersion;
+pub mod drift;
 pub mod echo;
 pub mod free_field;
 pub mod half_plane;
@@ -107,7 +108,7 @@ pub struct Law {
 }
 
 /// All laws, in the table's order.
-pub const LAWS: [Law; 18] = [
+pub const LAWS: [Law; 19] = [
     Law {
         name: "line source in free field, at rest and moving",
         measure: free_field::measure,
@@ -167,6 +168,10 @@ pub const LAWS: [Law; 18] = [
     Law {
         name: "energy between rigid walls",
         measure: room::measure_energy,
+    },
+    Law {
+        name: "a million steps without drift",
+        measure: drift::measure,
     },
     Law {
         name: "reciprocity",

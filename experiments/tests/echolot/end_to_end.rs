@@ -160,3 +160,50 @@ fn a_study_goes_from_scene_to_verdict() {
     assert!(String::from_utf8_lossy(&output.stdout).contains("WORSE"));
     assert!(String::from_utf8_lossy(&output.stderr).contains("1 of 3 measures worse"));
 }
+
+/// All noises and levels go through the drive together; a trial that goes alone, or on another number of threads, gives the same.
+#[test]
+fn trials_with_noise_do_not_depend_on_their_company() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let folder = tempfile::tempdir().unwrap();
+    let results = folder.path().to_str().unwrap();
+    let snr = |threads: &str| -> String {
+        let study = [
+            "run",
+            "snr",
+            "--preset",
+            "quick",
+            "--engine",
+            "image-source",
+            "--no-figures",
+            "--results",
+            results,
+            "--threads",
+            threads,
+        ];
+        expect(&project, &study);
+        std::fs::read_to_string(folder.path().join("quick/data/snr.csv")).unwrap()
+    };
+    let together = snr("2");
+    let trials = folder.path().join("cache/trials");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(&trials)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    files.sort();
+    // Three levels of three noises.
+    assert_eq!(files.len(), 9);
+    for file in files.iter().step_by(3) {
+        std::fs::remove_file(file).unwrap();
+        assert_eq!(snr("1"), together, "{}", file.display());
+    }
+    std::fs::remove_dir_all(&trials).unwrap();
+    assert_eq!(snr("1"), together);
+    // Every one is another's: no two have the same error.
+    let mut rows: Vec<&str> = together.lines().skip(1).collect();
+    rows.iter_mut()
+        .for_each(|row| *row = row.rsplit(',').next().unwrap());
+    rows.sort_unstable();
+    rows.dedup();
+    assert_eq!(rows.len(), 9, "{together}");
+}

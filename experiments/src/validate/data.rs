@@ -13,16 +13,18 @@ use crate::table::{Table, cell};
 /// Directions of the curves of the dispersion relation, degrees.
 const ANGLES_DEG: [f64; 3] = [0.0, 22.5, 45.0];
 
+/// Columns of velocities, by the relation and measured.
+const COLUMNS: [&str; 5] = [
+    "scheme",
+    "angle_deg",
+    "frequency_hz",
+    "phase_error",
+    "group_error",
+];
+
 /// Curves of the dispersion relation on the papers' grid.
 pub(super) fn curves() -> Table {
-    let header = [
-        "scheme",
-        "angle_deg",
-        "frequency_hz",
-        "phase_error",
-        "group_error",
-    ];
-    let mut table = Table::new(header);
+    let mut table = Table::new(COLUMNS);
     for scheme in Scheme::ALL {
         let grid = scheme.polynomial(AIR.c_mps * DT_S / DX_M);
         for angle_deg in ANGLES_DEG {
@@ -49,14 +51,7 @@ pub(super) fn curves() -> Table {
 
 /// Phase and group velocities measured on the field.
 pub(super) fn measured(depth: Depth) -> Result<Table> {
-    let header = [
-        "scheme",
-        "angle_deg",
-        "frequency_hz",
-        "phase_error",
-        "group_error",
-    ];
-    let mut table = Table::new(header);
+    let mut table = Table::new(COLUMNS);
     for velocity in dispersion::all(depth)? {
         table.push([
             velocity.scheme.to_string(),

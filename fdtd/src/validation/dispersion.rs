@@ -169,10 +169,8 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
             ));
         }
         let (quantity, off) = ("phase velocity over c - 1", velocity.phase.off());
-        found.push(match velocity.scheme {
-            Scheme::D25 => Measurement::within(case.clone(), quantity, off, 1e-3),
-            _ => Measurement::shown(case.clone(), quantity, off),
-        });
+        let held = velocity.scheme == Scheme::D25;
+        found.push(Measurement::held(held, case.clone(), quantity, off, 1e-3));
         let (quantity, off) = ("group velocity over c - 1", velocity.group.off());
         found.push(Measurement::shown(case, quantity, off));
     }

@@ -60,6 +60,21 @@ impl Measurement {
         }
     }
 
+    /// [`Self::within`] for what is held to the law, [`Self::shown`] for what stands beside it.
+    pub fn held(
+        held: bool,
+        case: String,
+        quantity: &'static str,
+        measured: f64,
+        tolerance: f64,
+    ) -> Self {
+        if held {
+            Self::within(case, quantity, measured, tolerance)
+        } else {
+            Self::shown(case, quantity, measured)
+        }
+    }
+
     /// A number that may be at most `most`.
     pub fn below(case: String, quantity: &'static str, measured: f64, most: f64) -> Self {
         Self {
@@ -190,4 +205,9 @@ pub const LAWS: [Law; 19] = [
 /// The schemes that a law goes through.
 fn schemes() -> impl Iterator<Item = Scheme> {
     Scheme::ALL.into_iter()
+}
+
+/// Of two errors the larger, with its sign; the first of equal ones.
+fn larger(one: f64, other: f64) -> f64 {
+    if other.abs() > one.abs() { other } else { one }
 }

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::exact::monopole::Monopole;
-use crate::field::{FastField, FieldSetup, StepForcing};
+use crate::field::{FastField, Field, FieldSetup, FieldState, StepForcing};
 use crate::grid::{Grid, Medium};
 use crate::scene::Scene;
 use crate::scheme::Scheme;
@@ -11,7 +11,7 @@ use crate::spread::Spread;
 use crate::walls::{SolidMask, WallCells};
 use crate::waveform::PeriodicWaveform;
 use rustfft::num_complex::Complex;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// The papers' medium.
 pub const AIR: Medium = Medium {
@@ -170,6 +170,50 @@ impl Rig {
             .map(|&p| f64::from(p))
             .collect())
     }
+}
+
+/// A standing wave after a while.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Swing {
+    /// What the field has of it now, over what it started with.
+    pub amplitude: f64,
+    /// The phase that it has come to, -pi to pi.
+    pub turned_rad: f64,
+    /// The field, `[iy, ix]`.
+    pub pressure: Vec<f32>,
+}
+
+impl Rig {
+    /// Lets a field swing that starts as the standing wave `shape`, `[iy, ix]`, at its largest, of `omega_dt` radians a step.
+    pub fn swing(&self, shape: &[f64], omega_dt: f64, steps: usize) -> Swing {
+        let mut field = self.field();
+        let blank = field.state();
+        field.set_state(&FieldState {
+            pressure: shape.iter().map(|&p| p as f32).collect(),
+            previous: shape.iter().map(|&p| (p * omega_dt.cos()) as f32).collect(),
+            ..blank
+        });
+        field.advance(&self.silence(steps), &mut Vec::new());
+        let state = field.state();
+        let areas = self.walls.areas();
+        let size: f64 = shape.iter().zip(&areas).map(|(p, area)| p * p * area).sum();
+        let part = |pressure: &[f32]| -> f64 {
+            let cells = pressure.iter().zip(shape).zip(&areas);
+            let products = cells.map(|((&p, shape), area)| f64::from(p) * shape * area);
+            products.sum::<f64>() / size
+        };
+        let (amplitude, before) = (part(&state.pressure), part(&state.previous));
+        Swing {
+            amplitude,
+            turned_rad: ((before - amplitude * omega_dt.cos()) / omega_dt.sin()).atan2(amplitude),
+            pressure: state.pressure,
+        }
+    }
+}
+
+/// An angle as one of -pi to pi.
+pub fn wrapped(angle_rad: f64) -> f64 {
+    (angle_rad + PI).rem_euclid(TAU) - PI
 }
 
 /// Time of entry `n` of [`Rig::run`].

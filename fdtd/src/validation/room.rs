@@ -19,11 +19,11 @@
 //! Bias: the restoring quantum's share is taken off.
 //! Tolerance: 0.2 of the order.
 
-use super::rig::{DT_S, DX_M, Rig};
-use super::{Depth, Measurement, schemes};
+use super::rig::{DT_S, DX_M, Rig, wrapped};
+use super::{Depth, Measurement, larger, schemes};
 use crate::Error;
 use crate::exact::burst::Burst;
-use crate::field::{FastField, Field, FieldState};
+use crate::field::{FastField, Field};
 use crate::scheme::{RESTORING_QUANTUM, Scheme};
 use crate::walls::{Impedance, Wall, WallModel};
 use std::f64::consts::{PI, TAU};
@@ -81,22 +81,10 @@ pub fn ring(scheme: Scheme, cells: [usize; 2], [m, n]: [f64; 2], steps: usize) -
             along(ix, m, cells[0]) * along(iy, n, cells[1])
         })
         .collect();
-    let mut field = rig.field();
-    let blank = field.state();
-    field.set_state(&FieldState {
-        pressure: shape.iter().map(|&p| p as f32).collect(),
-        previous: shape.iter().map(|&p| (p * omega_dt.cos()) as f32).collect(),
-        ..blank
-    });
-    field.advance(&rig.silence(steps), &mut Vec::new());
-    let state = field.state();
+    let swing = rig.swing(&shape, omega_dt, steps);
+    let amplitude = swing.amplitude;
     let size: f64 = shape.iter().map(|p| p * p).sum();
-    let part = |pressure: &[f32]| -> f64 {
-        let cells = pressure.iter().zip(&shape);
-        cells.map(|(&p, shape)| f64::from(p) * shape).sum::<f64>() / size
-    };
-    let (amplitude, before) = (part(&state.pressure), part(&state.previous));
-    let across: f64 = state
+    let across: f64 = swing
         .pressure
         .iter()
         .zip(&shape)
@@ -106,8 +94,7 @@ pub fn ring(scheme: Scheme, cells: [usize; 2], [m, n]: [f64; 2], steps: usize) -
     // In radians per step; the quantum adds to the square of the frequency.
     let continuum = rig.courant() * PI * (m / cells[0] as f64).hypot(n / cells[1] as f64);
     let stiffened = continuum.hypot(f64::from(RESTORING_QUANTUM).sqrt());
-    let turned = ((before - amplitude * omega_dt.cos()) / omega_dt.sin()).atan2(amplitude);
-    let late = (turned - stiffened * steps as f64 + PI).rem_euclid(TAU) - PI;
+    let late = wrapped(swing.turned_rad - stiffened * steps as f64);
     Ringing {
         amplitude_error: amplitude - phase.cos(),
         spill: (across / size).sqrt(),
@@ -278,13 +265,7 @@ pub fn measure_energy(depth: Depth) -> Result<Vec<Measurement>, Error> {
         .zip(["cells", "cut cells"].into_iter().cycle())
         .map(|(rig, walls)| {
             let changes = energy_changes(&rig, turns);
-            let largest = changes.into_iter().fold(0.0, |most: f64, change| {
-                if change.abs() > most.abs() {
-                    change
-                } else {
-                    most
-                }
-            });
+            let largest = changes.into_iter().fold(0.0, larger);
             let case = format!("{}, {walls}, {} steps", rig.scheme, 2000 * turns);
             Measurement::within(case, "energy, relative change", largest, 1e-4)
         })

@@ -14,12 +14,12 @@
 //! Bias: the restoring quantum's share is taken off.
 //! Tolerance: 2e-4 of the frequency, a radius right within 0.06 mm. Stairs are shown beside it.
 
-use super::rig::{AIR, DT_S, DX_M, Rig, decibels, difference, line};
-use super::{Depth, Measurement};
+use super::rig::{AIR, DT_S, DX_M, Rig, centre_m, decibels, difference, line, wrapped};
+use super::{Depth, Measurement, larger};
 use crate::Error;
 use crate::exact::burst::Burst;
-use crate::exact::cylinder::{hankel, mode, scattered, standing};
-use crate::field::{Field, FieldState};
+use crate::exact::cylinder::{mode, scattered, standing};
+use crate::exact::hankel::hankel;
 use crate::scheme::{RESTORING_QUANTUM, Scheme};
 use crate::walls::{Wall, WallModel};
 use std::f64::consts::{PI, TAU};
@@ -140,11 +140,7 @@ pub fn largest(scheme: Scheme, model: WallModel, round_deg: f64) -> Result<[f64;
     for bearing_deg in BEARINGS_DEG {
         for &place in places {
             let error = cylinder(scheme, model, bearing_deg, round_deg, place)?;
-            for (most, error) in most.iter_mut().zip(error) {
-                if error.abs() > most.abs() {
-                    *most = error;
-                }
-            }
+            most = [0, 1].map(|i| larger(most[i], error[i]));
         }
     }
     Ok(most)
@@ -152,14 +148,10 @@ pub fn largest(scheme: Scheme, model: WallModel, round_deg: f64) -> Result<[f64;
 
 /// Relative error of the frequency of a standing wave in a round room, the largest over places of the axis.
 pub fn detuned(scheme: Scheme, model: WallModel, (m, which): (i32, usize)) -> f64 {
-    let errors = PLACES.map(|place| detuned_at(scheme, model, (m, which), place));
-    errors.into_iter().fold(0.0, |most: f64, error| {
-        if error.abs() > most.abs() {
-            error
-        } else {
-            most
-        }
-    })
+    PLACES
+        .map(|place| detuned_at(scheme, model, (m, which), place))
+        .into_iter()
+        .fold(0.0, larger)
 }
 
 fn detuned_at(scheme: Scheme, model: WallModel, (m, which): (i32, usize), place: [f64; 2]) -> f64 {
@@ -174,7 +166,7 @@ fn detuned_at(scheme: Scheme, model: WallModel, (m, which): (i32, usize), place:
     let areas = rig.walls.areas();
     let shape: Vec<f64> = (0..nx * ny)
         .map(|cell| {
-            let x_m = super::rig::centre_m(cell % nx, cell / nx);
+            let x_m = centre_m(cell % nx, cell / nx);
             let [x, y] = [x_m[0] - axis_m[0], x_m[1] - axis_m[1]];
             // Cells that the wall cuts have their middle up to a cell beyond it; what lies behind the wall is another room.
             if areas[cell] == 0.0 || x.hypot(y) > RADIUS_M + DX_M {
@@ -183,26 +175,8 @@ fn detuned_at(scheme: Scheme, model: WallModel, (m, which): (i32, usize), place:
             standing(m, kappa * x.hypot(y), y.atan2(x))
         })
         .collect();
-    let mut field = rig.field();
-    let blank = field.state();
-    field.set_state(&FieldState {
-        pressure: shape.iter().map(|&p| p as f32).collect(),
-        previous: shape.iter().map(|&p| (p * omega_dt.cos()) as f32).collect(),
-        ..blank
-    });
-    field.advance(&rig.silence(STEPS), &mut Vec::new());
-    let state = field.state();
-    let part = |pressure: &[f32]| -> f64 {
-        let cells = pressure.iter().zip(&shape).zip(&areas);
-        cells
-            .map(|((&p, shape), area)| f64::from(p) * shape * area)
-            .sum()
-    };
-    let size: f64 = shape.iter().zip(&areas).map(|(p, area)| p * p * area).sum();
-    let (amplitude, before) = (part(&state.pressure) / size, part(&state.previous) / size);
-    let turned = ((before - amplitude * omega_dt.cos()) / omega_dt.sin()).atan2(amplitude);
     let phase = omega_dt * STEPS as f64;
-    ((turned - phase + PI).rem_euclid(TAU) - PI) / phase
+    wrapped(rig.swing(&shape, omega_dt, STEPS).turned_rad - phase) / phase
 }
 
 /// Radians per step of a wave of `kappa` radians per metre, in the mean over directions, with the restoring quantum.
@@ -235,11 +209,7 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
             let held = model == WallModel::CutCells && SCHEMES.contains(&scheme);
             let mut push = |what: String, quantity, error, allowed| {
                 let case = format!("{scheme}, {model}, {what}");
-                found.push(if held {
-                    Measurement::within(case, quantity, error, allowed)
-                } else {
-                    Measurement::shown(case, quantity, error)
-                });
+                found.push(Measurement::held(held, case, quantity, error, allowed));
             };
             for (round_deg, allowed) in ROUND {
                 let error = largest(scheme, model, round_deg)?;

@@ -16,7 +16,7 @@
 //! Tolerance: what is heard from 0.75 ms to 3.75 ms after the echo is at least 20 dB weaker than with stairs.
 
 use super::rig::{AIR, DT_S, DX_M, Rig, decibels, difference, line, norm};
-use super::{Depth, Measurement};
+use super::{Depth, Measurement, larger};
 use crate::Error;
 use crate::exact::burst::Burst;
 use crate::scheme::Scheme;
@@ -112,11 +112,7 @@ pub fn largest(scheme: Scheme, model: WallModel, tilt_deg: f64) -> Result<[f64; 
     let mut most = [0.0_f64; 2];
     for shift in [0.0, 0.37, 0.71] {
         let error = echo(scheme, model, tilt_deg, shift)?;
-        for (most, error) in most.iter_mut().zip(error) {
-            if error.abs() > most.abs() {
-                *most = error;
-            }
-        }
+        most = [0, 1].map(|i| larger(most[i], error[i]));
     }
     Ok(most)
 }
@@ -158,11 +154,7 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
                 let error = largest(scheme, model, tilt_deg)?;
                 let mut push = |quantity, error, allowed| {
                     let case = format!("{scheme}, {model}, {tilt_deg} degrees");
-                    found.push(if held {
-                        Measurement::within(case, quantity, error, allowed)
-                    } else {
-                        Measurement::shown(case, quantity, error)
-                    });
+                    found.push(Measurement::held(held, case, quantity, error, allowed));
                 };
                 push("level, dB", error[0], allowed[0]);
                 push("delay, us", 1e6 * error[1], 1e6 * allowed[1]);

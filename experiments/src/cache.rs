@@ -36,9 +36,14 @@ impl Key {
 
     /// Adds a text.
     pub fn text(&mut self, name: &str, value: &str) {
-        for part in [name, value] {
+        self.bytes(name, value.as_bytes());
+    }
+
+    /// Adds bytes.
+    pub fn bytes(&mut self, name: &str, value: &[u8]) {
+        for part in [name.as_bytes(), value] {
             self.hash.update((part.len() as u64).to_le_bytes());
-            self.hash.update(part.as_bytes());
+            self.hash.update(part);
         }
     }
 

@@ -1,4 +1,5 @@
-//! Interruption by the user: the first Ctrl-C (or SIGTERM) asks for a clean stop, the second ends the program at once.
+//! Interruption by the user: the first Ctrl-C (or SIGTERM) asks for a clean stop, the second ends the program at once; the first does where nothing has to be
+//! cleaned up.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -6,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub const EXIT_CODE: u8 = 130;
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
+static AT_ONCE: AtomicBool = AtomicBool::new(false);
 
 /// What an interrupted command returns as its error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,11 +27,32 @@ impl std::error::Error for Interrupted {}
 /// When the system refuses the handler.
 pub fn watch() -> anyhow::Result<()> {
     ctrlc::set_handler(|| {
-        if REQUESTED.swap(true, Ordering::SeqCst) {
+        let again = REQUESTED.swap(true, Ordering::SeqCst);
+        let at_once = AT_ONCE.load(Ordering::SeqCst);
+        if at_once && !again {
+            eprintln!("error: interrupted");
+        }
+        if at_once || again {
             std::process::exit(i32::from(EXIT_CODE));
         }
     })?;
     Ok(())
+}
+
+/// While this is held, the first Ctrl-C ends the program at once: for work that nothing is lost of but what is computed just then.
+#[must_use = "holds only until it is dropped"]
+pub struct AtOnce(());
+
+/// See [`AtOnce`].
+pub fn at_once() -> AtOnce {
+    AT_ONCE.store(true, Ordering::SeqCst);
+    AtOnce(())
+}
+
+impl Drop for AtOnce {
+    fn drop(&mut self) {
+        AT_ONCE.store(false, Ordering::SeqCst);
+    }
 }
 
 /// Whether a stop was asked for.

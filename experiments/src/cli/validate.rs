@@ -9,13 +9,13 @@ use fdtd::validation::{Depth, LAWS, Law};
 use super::output::{print, print_json};
 use crate::check::CheckFailed;
 use crate::progress::duration;
-use crate::validate;
+use crate::validate::{self, Kept};
 
 /// Arguments of `validate`.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot validate --full\n  echolot validate --full echoes impedance\n\n\
-    Exits with 1 when a measurement is outside its tolerance. Without LAW writes results/validation: validation.json, table.md, data and figures."
+    Exits with 1 when a measurement is outside its tolerance. Without LAW writes results/validation: validation.json, table.md, data and figures; interrupted, the same command goes on after the laws that were measured."
 )]
 pub(crate) struct Arguments {
     /// Only laws whose name contains one of these; writes no files.
@@ -48,11 +48,13 @@ impl Arguments {
         }
         let depth = if self.full { Depth::Full } else { Depth::Quick };
         let started = Instant::now();
-        let rows = validate::run(&self.chosen()?, depth)?;
         let whole = self.laws.is_empty();
-        if whole {
+        let kept = (whole.then(|| Kept::below(&self.results, depth))).transpose()?;
+        let rows = validate::run(&self.chosen()?, depth, kept.as_ref())?;
+        if let Some(kept) = kept {
             validate::write(&rows, depth, &folder)?;
             validate::draw(&folder)?;
+            kept.clear()?;
         }
         if json {
             print_json(&rows)?;

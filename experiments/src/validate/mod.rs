@@ -1,9 +1,12 @@
 //! The field against laws of physics: runs them, and writes table, data and figure.
 
 mod data;
+mod kept;
 mod words;
 
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 use anyhow::Result;
 use fdtd::validation::{Depth, Law, Measurement};
@@ -13,9 +16,10 @@ use serde::Serialize;
 use crate::atomic;
 use crate::figures;
 use crate::interrupt;
-use crate::progress::Board;
+use crate::progress::{Board, duration};
 use crate::provenance::Provenance;
 
+pub use self::kept::Kept;
 pub use self::words::{laws, table};
 
 /// One line of the table.
@@ -30,28 +34,51 @@ pub struct Row {
     pub passed: bool,
 }
 
-/// Measures some laws; several run side by side, the order of the rows does not depend on it.
+/// Measures some laws but those that are kept; several run side by side, the order of the rows does not depend on it. Ctrl-C ends the program at once.
 ///
 /// # Errors
-/// When a field becomes non-finite, or [`interrupt::Interrupted`].
-pub fn run(laws: &[Law], depth: Depth) -> Result<Vec<Row>> {
+/// When a field becomes non-finite, or what is measured cannot be kept.
+pub fn run(laws: &[Law], depth: Depth, kept: Option<&Kept>) -> Result<Vec<Row>> {
+    let _at_once = interrupt::at_once();
     let board = Board::new();
-    let task = board.task("validate", laws.len() as u64);
-    let done = std::sync::atomic::AtomicU64::new(0);
-    let found: Vec<Result<Vec<Row>>> = laws
-        .par_iter()
-        .map(|law| {
-            interrupt::check()?;
-            let measurements = (law.measure)(depth)?;
-            task.set(1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
-            Ok(measurements
-                .into_iter()
-                .map(|measurement| Row {
-                    law: law.name,
-                    passed: measurement.passed(),
-                    measurement,
-                })
-                .collect())
+    let all: u64 = laws.iter().map(|law| effort(law, depth)).sum();
+    let task = board.task("validate", all);
+    let known: Vec<_> = (laws.iter())
+        .map(|law| kept.and_then(|kept| kept.read(law.name)))
+        .collect();
+    let of_known = laws.iter().zip(&known).filter(|(_, known)| known.is_some());
+    let done = AtomicU64::new(of_known.map(|(law, _)| effort(law, depth)).sum());
+    task.set(done.load(Ordering::Relaxed));
+    if kept.is_some() {
+        let (measured, of) = (known.iter().flatten().count(), laws.len());
+        board.say(format!(
+            "{measured} of {of} laws are measured; interrupt at any time, the same command goes on"
+        ));
+    }
+    let found: Vec<Result<Vec<Row>>> = (laws.par_iter())
+        .zip(known)
+        .map(|(law, known)| {
+            let is_new = known.is_none();
+            let started = Instant::now();
+            let measurements = match known {
+                Some(measurements) => measurements,
+                None => (law.measure)(depth)?,
+            };
+            if is_new {
+                if let Some(kept) = kept {
+                    kept.write(law.name, &measurements)?;
+                }
+                let taken = duration(started.elapsed().as_secs_f64());
+                board.say(format!("measured {} in {taken}", law.name));
+                let effort = effort(law, depth);
+                task.set(effort + done.fetch_add(effort, Ordering::Relaxed));
+            }
+            let rows = measurements.into_iter().map(|measurement| Row {
+                law: law.name,
+                passed: measurement.passed(),
+                measurement,
+            });
+            Ok(rows.collect())
         })
         .collect();
     task.finish();
@@ -60,6 +87,11 @@ pub fn run(laws: &[Law], depth: Depth) -> Result<Vec<Row>> {
         rows.extend(part?);
     }
     Ok(rows)
+}
+
+/// What a law takes beside others, for the time that is left.
+fn effort(law: &Law, depth: Depth) -> u64 {
+    u64::from(law.effort[usize::from(depth == Depth::Full)])
 }
 
 /// Writes `validation.json`, `table.md`, `laws.md` and the data of the figures into `folder`.

@@ -206,6 +206,51 @@ fn an_interrupted_simulation_goes_on_to_the_same_bytes() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn an_interrupted_validation_ends_at_once_and_keeps_the_laws_that_were_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_echolot"))
+        .current_dir(folder.path())
+        .arg("validate")
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let files = |of: &std::path::Path| -> Vec<std::path::PathBuf> {
+        let entries = std::fs::read_dir(of).into_iter().flatten();
+        entries.map(|entry| entry.unwrap().path()).collect()
+    };
+    let cache = folder.path().join("results/cache/validation");
+    let kept = || -> Vec<std::path::PathBuf> {
+        let files = files(&cache).into_iter().flat_map(|of| files(&of));
+        let whole = |file: &std::path::PathBuf| {
+            let name = file.file_name().unwrap().to_string_lossy();
+            name.ends_with(".json") && !name.starts_with('.')
+        };
+        files.filter(whole).collect()
+    };
+    while kept().is_empty() {
+        assert!(child.try_wait().unwrap().is_none(), "ended by itself");
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    let pid = child.id().to_string();
+    assert!(
+        (std::process::Command::new("kill").arg(pid).status())
+            .unwrap()
+            .success()
+    );
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("error: interrupted"), "{said}");
+    assert!(!folder.path().join("results/validation").exists());
+    for file in kept() {
+        let measured: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
+        assert!(!measured.as_array().unwrap().is_empty(), "{file:?}");
+    }
+}
+
 #[test]
 fn a_reader_that_has_had_enough_is_no_failure() {
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_echolot"))

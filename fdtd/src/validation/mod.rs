@@ -20,7 +20,9 @@ pub mod scene_echoes;
 pub mod tilted;
 pub mod tilted_impedance;
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::scheme::Scheme;
@@ -35,12 +37,12 @@ pub enum Depth {
 }
 
 /// A number and the range that a law leaves it.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
     /// What was looked at, e.g. `d25, 60 degrees`.
     pub case: String,
     /// What was measured, with its unit.
-    pub quantity: &'static str,
+    pub quantity: Cow<'static, str>,
     /// The number.
     pub measured: f64,
     /// Smallest value allowed; absent for none.
@@ -53,7 +55,12 @@ pub struct Measurement {
 
 impl Measurement {
     /// A number that may be off zero by `tolerance` to both sides.
-    pub fn within(case: String, quantity: &'static str, measured: f64, tolerance: f64) -> Self {
+    pub fn within(
+        case: String,
+        quantity: impl Into<Cow<'static, str>>,
+        measured: f64,
+        tolerance: f64,
+    ) -> Self {
         Self {
             least: Some(-tolerance),
             ..Self::below(case, quantity, measured, tolerance)
@@ -64,7 +71,7 @@ impl Measurement {
     pub fn held(
         held: bool,
         case: String,
-        quantity: &'static str,
+        quantity: impl Into<Cow<'static, str>>,
         measured: f64,
         tolerance: f64,
     ) -> Self {
@@ -76,10 +83,15 @@ impl Measurement {
     }
 
     /// A number that may be at most `most`.
-    pub fn below(case: String, quantity: &'static str, measured: f64, most: f64) -> Self {
+    pub fn below(
+        case: String,
+        quantity: impl Into<Cow<'static, str>>,
+        measured: f64,
+        most: f64,
+    ) -> Self {
         Self {
             case,
-            quantity,
+            quantity: quantity.into(),
             measured,
             least: None,
             most: Some(most),
@@ -97,7 +109,7 @@ impl Measurement {
     }
 
     /// A number shown beside the others, whatever it is.
-    pub fn shown(case: String, quantity: &'static str, measured: f64) -> Self {
+    pub fn shown(case: String, quantity: impl Into<Cow<'static, str>>, measured: f64) -> Self {
         Self {
             most: None,
             informative: true,
@@ -118,6 +130,8 @@ impl Measurement {
 pub struct Law {
     /// Name in the table.
     pub name: &'static str,
+    /// About how many seconds of one processor it takes, few cases and all: shares of a whole.
+    pub effort: [u16; 2],
     /// Measures it.
     pub measure: fn(Depth) -> Result<Vec<Measurement>, Error>,
 }
@@ -126,78 +140,97 @@ pub struct Law {
 pub const LAWS: [Law; 19] = [
     Law {
         name: "line source in free field, at rest and moving",
+        effort: [1, 2],
         measure: free_field::measure,
     },
     Law {
         name: "direct method: level and sidebands",
+        effort: [2, 6],
         measure: direct_method::measure,
     },
     Law {
         name: "echo of a wall: image source",
+        effort: [1, 2],
         measure: echo::measure_image,
     },
     Law {
         name: "echo and scatter of a tilted wall",
+        effort: [4, 20],
         measure: tilted::measure,
     },
     Law {
         name: "round walls: cylinder and round room",
+        effort: [9, 40],
         measure: round::measure,
     },
     Law {
         name: "reflection of an impedance",
+        effort: [12, 240],
         measure: impedance::measure,
     },
     Law {
         name: "reflection of R-L-C branches",
+        effort: [5, 150],
         measure: branches::measure,
     },
     Law {
         name: "echo of a tilted wall of an impedance",
+        effort: [26, 400],
         measure: tilted_impedance::measure,
     },
     Law {
         name: "two parallel walls: time scale 1",
+        effort: [2, 2],
         measure: echo::measure_parallel,
     },
     Law {
         name: "right-angled corner: image sources",
+        effort: [1, 4],
         measure: corner::measure,
     },
     Law {
         name: "edge of a half plane: Sommerfeld",
+        effort: [1, 6],
         measure: half_plane::measure,
     },
     Law {
         name: "echoes of the scene: image sources",
+        effort: [2, 6],
         measure: scene_echoes::measure,
     },
     Law {
         name: "absorbing layer",
+        effort: [3, 6],
         measure: layer::measure,
     },
     Law {
         name: "modes of a rigid box",
+        effort: [1, 1],
         measure: room::measure_modes,
     },
     Law {
         name: "energy between rigid walls",
+        effort: [1, 4],
         measure: room::measure_energy,
     },
     Law {
         name: "a million steps without drift",
+        effort: [1, 20],
         measure: drift::measure,
     },
     Law {
         name: "reciprocity",
+        effort: [1, 3],
         measure: free_field::measure_reciprocity,
     },
     Law {
         name: "dispersion relation",
+        effort: [3, 3],
         measure: dispersion::measure,
     },
     Law {
         name: "order of convergence",
+        effort: [1, 1],
         measure: room::measure_order,
     },
 ];

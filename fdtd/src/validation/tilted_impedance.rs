@@ -40,9 +40,11 @@ pub const RATIOS: [f64; 5] = [0.05, 0.2, 1.0, 5.0, 20.0];
 
 /// Tilts in degrees at which the mean over places is held to [`TOLERANCE`], and what the factor may be off in a single place at normal incidence and at
 /// 45 degrees.
-pub const SLANTS: [(f64, [f64; 2]); 6] = [
+pub const SLANTS: [(f64, [f64; 2]); 8] = [
     (3.0, [0.02, 0.02]),
     (10.0, [0.05, 0.05]),
+    (15.0, [0.03, 0.03]),
+    (18.1, [0.03, 0.03]),
     (19.0, [0.03, 0.03]),
     (20.0, [0.03, 0.03]),
     (30.0, [0.03, 0.03]),

@@ -7,7 +7,7 @@
 //! own operator: all pieces in it take their share of the flow, and on its rim, where the surface is far enough away (what it does falls by four from
 //! cell to cell), the pressure is the distance from the wall.
 //!
-//! What that leaves out, the frequency and the angle, is made up for by [`CHANGES`].
+//! What that leaves out, the frequency and the angle, is made up for by [`OF_BOXES`].
 
 use super::WallCells;
 use super::linear::conjugate_gradients;
@@ -30,16 +30,26 @@ pub(super) type Row = Vec<([isize; 2], f64)>;
 /// What is added to the masses in cell widths, by the angle between normal and axis in degrees: from errors of the reflection factor at 10 kHz with
 /// m13, o13 and d25, met at 0 and at 45 degrees ([`crate::validation::tilted_impedance`]). Up to the first angle and from the second on it is the
 /// same.
-const CHANGES: [(f64, f64); 2] = [(20.0, 0.020), (45.0, -0.0095)];
+type Changes = [(f64, f64); 2];
+
+/// Before boxes of cells.
+const OF_BOXES: Changes = [(20.0, 0.020), (45.0, -0.0095)];
+
+/// Before columns of cells.
+const OF_COLUMNS: Changes = [(10.0, 0.0), (18.0, 0.005)];
 
 /// Masses in cell widths of pieces of plane walls lie well within. Where other walls are near, the pressure may be anything (in a pocket that is cut
 /// off from the rim nothing determines it), and the mass stays within.
 const RANGE: [f64; 2] = [0.1, 0.8];
 
+/// The mass in cell widths of a surface before which a column of cells takes part, from that of a wall along the axes.
+pub(super) fn column_mass(load: &Load, upright: f64) -> f64 {
+    upright + change(load, OF_COLUMNS)
+}
+
 /// The change for a surface.
-fn change(load: &Load) -> f64 {
+fn change(load: &Load, [(first, from), (last, to)]: Changes) -> f64 {
     let angle_deg = load.nearest_axis().1.min(1.0).acos().to_degrees();
-    let [(first, from), (last, to)] = CHANGES;
     from + ((angle_deg - first) / (last - first)).clamp(0.0, 1.0) * (to - from)
 }
 
@@ -67,7 +77,7 @@ pub(super) fn slanted_masses(
         });
         let mass: f64 = sampled.sum();
         let [least, most] = RANGE;
-        (index, mass.max(least).min(most) + change(load))
+        (index, mass.max(least).min(most) + change(load, OF_BOXES))
     };
     let slanted = walls.loads().iter().zip(pieces).enumerate();
     slanted

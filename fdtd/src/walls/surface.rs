@@ -28,7 +28,7 @@ use super::commensurate::{self, RowsOf};
 use super::fit::{Reduced, Remainder, reduce};
 use super::footprint::{FRAME, Footprints};
 use super::impedance::Impedance;
-use super::inertance::slanted_masses;
+use super::inertance::{column_mass, slanted_masses};
 use super::openings::Load;
 use super::slant::share;
 use super::spring::{Piece, least_masses};
@@ -200,7 +200,7 @@ impl<'a> Usual<'a> {
         if share == 0.0 {
             return Self {
                 reach,
-                mass: aperture.mass,
+                mass: column_mass(load, aperture.mass),
                 left: Some(apertures.remainder(column.open)),
             };
         }
@@ -212,7 +212,7 @@ impl<'a> Usual<'a> {
         }
         Self {
             reach: mixed,
-            mass: aperture.mass,
+            mass: column_mass(load, aperture.mass),
             left: None,
         }
     }

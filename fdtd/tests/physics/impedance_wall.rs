@@ -80,6 +80,27 @@ fn the_echo_of_a_tilted_wall_is_the_rigid_one_times_the_factor() {
 }
 
 #[test]
+#[ignore = "seven minutes on two cores; what the law has no time for"]
+fn the_mean_echo_of_walls_at_tilts_between_is_the_rigid_one_times_the_factor() {
+    for tilt_deg in [
+        5.0, 7.5, 12.5, 14.0, 17.0, 18.2, 21.0, 22.0, 24.0, 26.0, 28.0, 33.0, 35.0, 36.5, 38.0,
+        42.0, 43.5, 44.5, 44.9,
+    ] {
+        for scheme in SCHEMES {
+            for tangent in [0.0, 1.0] {
+                let (model, places) = (WallModel::CutCells, &tilted_impedance::PLACES);
+                let errors = tilted_impedance::errors(scheme, model, tilt_deg, tangent, places)
+                    .expect("a finite field");
+                println!("tilted impedance, {scheme}, {tilt_deg} degrees, {tangent}: {errors:?}");
+                for mean in errors.mean {
+                    assert!(mean < TOLERANCE, "{scheme}, {tilt_deg}, {tangent}: {mean}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn no_impedance_makes_energy() {
     for scheme in Scheme::ALL {
         for model in WallModel::ALL {

@@ -167,7 +167,7 @@ fn quick_is_the_same_physics_in_a_quarter_of_the_area() {
         (full.scheme, full.spread, full.waveform)
     );
     let durations = ["mapping", "localization"].map(|name| quick.path(name).unwrap().duration_s());
-    assert!((durations[0] - 15.0).abs() < 1e-9 && (durations[1] - 10.0).abs() < 1e-9);
+    assert!((durations[0] - 14.0).abs() < 1e-9 && (durations[1] - 10.0).abs() < 1e-9);
     // The drives of a scene do not run along each other.
     for scene in [full, quick] {
         let (map, drive) = (

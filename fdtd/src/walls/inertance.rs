@@ -35,8 +35,8 @@ type Changes = [(f64, f64); 2];
 /// Before boxes of cells.
 const OF_BOXES: Changes = [(20.0, 0.020), (45.0, -0.0095)];
 
-/// Before columns of cells: as much as d25 at 6 kHz allows, half of what would be best at 10 kHz.
-const OF_COLUMNS: Changes = [(10.0, 0.0), (18.0, 0.0025)];
+/// Before columns of cells: as much as d25 at 5 kHz allows, less than half of what would be best at 10 kHz.
+const OF_COLUMNS: Changes = [(10.0, 0.0), (18.0, 0.002)];
 
 /// Masses in cell widths of pieces of plane walls lie well within. Where other walls are near, the pressure may be anything (in a pocket that is cut
 /// off from the rim nothing determines it), and the mass stays within.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, TITLE};
+use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
@@ -30,7 +30,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let line = Stroke::solid(colour::BLACK, 3.0).dashed(&[12.0, 8.0]);
     canvas::draw(picture, 1800, 1000, |sheet| {
         let title = "Angles are told apart 1/M as finely as the Doppler cell says";
-        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        sheet.title(title)?;
         let left = Axes::new(
             sheet,
             [170.0, 225.0, 870.0, 870.0],

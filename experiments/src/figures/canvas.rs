@@ -10,6 +10,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, FontTransform, register_font};
 
+use super::axes::TITLE;
 use crate::atomic;
 
 static REGULAR: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
@@ -289,6 +290,14 @@ impl Canvas {
             .layout_box(text)
             .map_or(0, |((left, _), (right, _))| right - left);
         [f64::from(width), size]
+    }
+
+    /// Writes the picture's title.
+    ///
+    /// # Errors
+    /// When the backend refuses.
+    pub fn title(&self, text: &str) -> Result<()> {
+        self.text(text, [0.5 * self.width, 20.0], (0, 1), TITLE, true, false)
     }
 
     /// Writes `text` at a point; `upward` turns it to read from bottom to top.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, TITLE};
+use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
@@ -41,7 +41,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let angles = table.distinct("angle_deg")?;
     canvas::draw(picture, 1800, 1040, |sheet| {
         let title = "The grid slows sound down, by a factor of frequency, direction and scheme";
-        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        sheet.title(title)?;
         let panels = [
             ("phase_error", 140.0, [-3.0, 0.5], "(a) phase velocity"),
             (

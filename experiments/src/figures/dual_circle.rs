@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use plotters::style::RGBColor;
 
-use super::axes::{Axes, TITLE};
+use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
@@ -74,7 +74,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     ];
     canvas::draw(picture, 1300, 1440, |sheet| {
         let title = "Nine points by the circles around four receivers";
-        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        sheet.title(title)?;
         let axes = Axes::equal(
             sheet,
             [130.0, 320.0, 1260.0, 1340.0],

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, TITLE};
+use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas;
 use super::legend::{Entry, legend};
@@ -32,7 +32,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     canvas::draw(picture, 1600, 1100, |sheet| {
         let title =
             "Position errors are smaller with Doppler bearings than with arrival times alone";
-        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        sheet.title(title)?;
         let axes = Axes::new(
             sheet,
             [190.0, 290.0, 1550.0, 980.0],

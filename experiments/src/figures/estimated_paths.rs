@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{LABEL, TITLE};
+use super::axes::LABEL;
 use super::canvas::{self, Stroke};
 use super::layout::{Layout, drive_points, path};
 use super::legend::{Entry, legend};
@@ -33,15 +33,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let error = |method: &str| -> Result<f64> {
             Ok(mean(&estimates.only("method", method)?.numbers("error_m")?))
         };
-        let title = title(error("odometry")?, error("doppler")?);
-        sheet.text(
-            &title,
-            [0.5 * sheet.width, 20.0],
-            (0, 1),
-            TITLE,
-            true,
-            false,
-        )?;
+        sheet.title(&title(error("odometry")?, error("doppler")?))?;
         let axes = layout.axes(sheet, [120.0, 130.0, 980.0, 990.0]);
         axes.grid()?;
         layout.walls(&axes, Stroke::solid(colour::GREY, 6.0))?;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, LABEL, TITLE};
+use super::axes::{Axes, LABEL};
 use super::axis::Axis;
 use super::canvas::{self, Canvas, Stroke};
 use super::layout::{Layout, drive_points, path};
@@ -104,7 +104,7 @@ pub(crate) fn paths(data: &Path, picture: &Path) -> Result<()> {
     room.extend(room.first().copied());
     canvas::draw(picture, 1660, 1040, |sheet| {
         let title = "Double echoes and the ceiling hold the path that single echoes lose";
-        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        sheet.title(title)?;
         let around = |pick: fn(&(f64, f64)) -> f64, label: &str| {
             Axis::around(room.iter().map(pick), 0.05, label)
         };
@@ -168,7 +168,7 @@ pub(crate) fn errors(data: &Path, picture: &Path) -> Result<()> {
     let gates = Table::read(&data.join("multipath_gates.csv"))?;
     canvas::draw(picture, 1800, 1040, |sheet| {
         let title = "At a gate of 0.25 m only model (c) always follows; at wide gates none does";
-        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        sheet.title(title)?;
         let left = Axes::new(
             sheet,
             [150.0, 270.0, 900.0, 925.0],
@@ -232,7 +232,7 @@ pub(crate) fn scene(data: &Path, picture: &Path) -> Result<()> {
     let table = Table::read(&data.join("multipath_scene.csv"))?;
     canvas::draw(picture, 1660, 1100, |sheet| {
         let title = "Planes and arrival times beside map image and Doppler bearings";
-        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        sheet.title(title)?;
         let axes = layout.axes(sheet, [120.0, 130.0, 980.0, 990.0]);
         axes.grid()?;
         layout.walls(&axes, Stroke::solid(colour::GREY, 6.0))?;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, TITLE};
+use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::legend::{Entry, legend};
@@ -49,14 +49,7 @@ fn draw_with(data: &Path, picture: &Path, limit_m: f64) -> Result<()> {
         .fold(0.0, f64::max);
     canvas::draw(picture, 1600, 1100, |sheet| {
         let title = format!("Above 3 dB noise costs little: {worst_above_3:.3} m at most");
-        sheet.text(
-            &title,
-            [0.5 * sheet.width, 20.0],
-            (0, 1),
-            TITLE,
-            true,
-            false,
-        )?;
+        sheet.title(&title)?;
         let axes = Axes::new(
             sheet,
             [190.0, 210.0, 1550.0, 980.0],

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, TITLE};
+use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::layout::{Layout, drive_points, path};
@@ -52,20 +52,8 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let table = Table::read(&data.join("periods.csv"))?;
     let cells = means_by(&table, "m", "mae_m")?;
     canvas::draw(picture, 1800, 1040, |sheet| {
-        let title = title(
-            &cells
-                .iter()
-                .map(|cell| (cell.0, cell.1))
-                .collect::<Vec<_>>(),
-        );
-        sheet.text(
-            &title,
-            [0.5 * sheet.width, 20.0],
-            (0, 1),
-            TITLE,
-            true,
-            false,
-        )?;
+        let means: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1)).collect();
+        sheet.title(&title(&means))?;
         let left = layout.axes(sheet, [120.0, 185.0, 860.0, 925.0]);
         left.grid()?;
         layout.walls(&left, Stroke::solid(colour::GREY, 6.0))?;

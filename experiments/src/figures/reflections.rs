@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::axes::{Axes, TITLE};
+use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker};
 use super::colour;
@@ -54,14 +54,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let title = format!(
             "The echoes are the walls' and the corner's; eq. (3) holds for those up to {farthest:.1} m"
         );
-        sheet.text(
-            &title,
-            [0.5 * sheet.width, 20.0],
-            (0, 1),
-            TITLE,
-            true,
-            false,
-        )?;
+        sheet.title(&title)?;
         let axis = |label| Axis::new(0.0, 10.0, label);
         let time = Axis::new(0.0, place.t_s[1], "time [s]");
         let measured = Axes::new(

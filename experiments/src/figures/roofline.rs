@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use plotters::style::RGBColor;
 use serde::Deserialize;
 
-use super::axes::{Axes, LABEL, TITLE};
+use super::axes::{Axes, LABEL};
 use super::axis::Axis;
 use super::canvas::{self, Canvas, Marker, Stroke};
 use super::colour;
@@ -127,14 +127,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         .chain(data.rows.iter().map(Row::gflops))
         .fold(1.0, f64::max);
     canvas::draw(picture, 1800, 1240, |sheet| {
-        sheet.text(
-            &title(&data),
-            [0.5 * sheet.width, 20.0],
-            (0, 1),
-            TITLE,
-            true,
-            false,
-        )?;
+        sheet.title(&title(&data))?;
         let axes = Axes::new(
             sheet,
             [170.0, 300.0, 1750.0, 1120.0],

@@ -5,7 +5,6 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::axes::TITLE;
 use super::canvas::{self, Stroke};
 use super::colour;
 use super::layout::{Layout, drive_points, path};
@@ -44,7 +43,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     ];
     canvas::draw(picture, 1800, 980, |sheet| {
         let title = "The scene, and the image of its walls that echoes alone give";
-        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        sheet.title(title)?;
         let left = layout.axes(sheet, [120.0, 130.0, 810.0, 820.0]);
         left.grid()?;
         layout.layer(&left)?;

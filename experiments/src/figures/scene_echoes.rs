@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, TITLE};
+use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
@@ -39,7 +39,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         .fold(0.0_f64, |most, (_, p)| most.max(p.abs()));
     canvas::draw(picture, 1800, 1330, |sheet| {
         let title = "Echoes in the scene of the paper's size: sound field beside image sources";
-        sheet.text(title, [0.5 * sheet.width, 20.0], (0, 1), TITLE, true, false)?;
+        sheet.title(title)?;
         let entries = [
             Entry::line(FIELD, "field, minus the same without walls"),
             Entry::line(IMAGES, "image sources of first and second order"),

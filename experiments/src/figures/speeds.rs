@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, TITLE};
+use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Stroke};
 use super::colour;
@@ -37,14 +37,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         } else {
             format!("The wheels slip: they turn {bias:.3} \u{b1} {spread:.3} rad/s too fast")
         };
-        sheet.text(
-            &title,
-            [0.5 * sheet.width, 20.0],
-            (0, 1),
-            TITLE,
-            true,
-            false,
-        )?;
+        sheet.title(&title)?;
         let panels = [
             (
                 "(a) linear speed",

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, TITLE};
+use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
@@ -40,14 +40,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     canvas::draw(picture, 1800, 960, |sheet| {
         let slowest = cells.iter().map(|cell| cell.1[1]).fold(0.0, f64::max) + median;
         let title = format!("One step takes {slowest:.1} ms at most; real time allows 102.3 ms");
-        sheet.text(
-            &title,
-            [0.5 * sheet.width, 20.0],
-            (0, 1),
-            TITLE,
-            true,
-            false,
-        )?;
+        sheet.title(&title)?;
         let left = Axes::new(
             sheet,
             [170.0, 210.0, 870.0, 830.0],

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, TITLE};
+use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker};
 use super::legend::{Entry, legend};
@@ -60,14 +60,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         .collect();
     canvas::draw(picture, 1800, 960, |sheet| {
         let title = title(&curve, best_m, best_mae);
-        sheet.text(
-            &title,
-            [0.5 * sheet.width, 20.0],
-            (0, 1),
-            TITLE,
-            true,
-            false,
-        )?;
+        sheet.title(&title)?;
         let panels = [
             (
                 "(a) whole",

@@ -55,24 +55,22 @@ pub fn run(laws: &[Law], depth: Depth, kept: Option<&Kept>) -> Result<Vec<Row>> 
             "{measured} of {of} laws are measured; interrupt at any time, the same command goes on"
         ));
     }
+    let measure = |law: &Law| -> Result<Vec<Measurement>> {
+        let started = Instant::now();
+        let measurements = (law.measure)(depth)?;
+        if let Some(kept) = kept {
+            kept.write(law.name, &measurements)?;
+        }
+        let taken = duration(started.elapsed().as_secs_f64());
+        board.say(format!("measured {} in {taken}", law.name));
+        let effort = effort(law, depth);
+        task.set(effort + done.fetch_add(effort, Ordering::Relaxed));
+        Ok(measurements)
+    };
     let found: Vec<Result<Vec<Row>>> = (laws.par_iter())
         .zip(known)
         .map(|(law, known)| {
-            let is_new = known.is_none();
-            let started = Instant::now();
-            let measurements = match known {
-                Some(measurements) => measurements,
-                None => (law.measure)(depth)?,
-            };
-            if is_new {
-                if let Some(kept) = kept {
-                    kept.write(law.name, &measurements)?;
-                }
-                let taken = duration(started.elapsed().as_secs_f64());
-                board.say(format!("measured {} in {taken}", law.name));
-                let effort = effort(law, depth);
-                task.set(effort + done.fetch_add(effort, Ordering::Relaxed));
-            }
+            let measurements = known.map_or_else(|| measure(law), Ok)?;
             let rows = measurements.into_iter().map(|measurement| Row {
                 law: law.name,
                 passed: measurement.passed(),
@@ -132,4 +130,41 @@ pub fn draw(folder: &Path) -> Result<Vec<std::path::PathBuf>> {
     figures::dispersion::draw(&data, &pictures[0])?;
     figures::scene_echoes::draw(&data, &pictures[1])?;
     Ok(pictures.to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn laws_that_are_kept_are_not_measured_again() {
+        let results = tempfile::tempdir().unwrap();
+        let kept = Kept::below(results.path(), Depth::Quick).unwrap();
+        let number = |x: f64| vec![Measurement::below("case".to_string(), "level, dB", x, 1.0)];
+        let law = |name, measure| Law {
+            name,
+            effort: [1, 1],
+            measure,
+        };
+        let laws = [
+            law("known", |_| unreachable!("it is kept")),
+            law("new", |_| {
+                Ok(vec![Measurement::below(
+                    "case".to_string(),
+                    "level, dB",
+                    2.0,
+                    1.0,
+                )])
+            }),
+        ];
+        kept.write("known", &number(0.5)).unwrap();
+        let rows = run(&laws, Depth::Quick, Some(&kept)).unwrap();
+        let said: Vec<_> = (rows.iter())
+            .map(|row| (row.law, row.measurement.measured, row.passed))
+            .collect();
+        assert_eq!(said, [("known", 0.5, true), ("new", 2.0, false)]);
+        assert_eq!(kept.read("new"), Some(number(2.0)));
+        let kept_nothing = run(&laws[1..], Depth::Quick, None).unwrap();
+        assert_eq!(kept_nothing.len(), 1);
+    }
 }

@@ -55,12 +55,7 @@ pub struct Measurement {
 
 impl Measurement {
     /// A number that may be off zero by `tolerance` to both sides.
-    pub fn within(
-        case: String,
-        quantity: impl Into<Cow<'static, str>>,
-        measured: f64,
-        tolerance: f64,
-    ) -> Self {
+    pub fn within(case: String, quantity: &'static str, measured: f64, tolerance: f64) -> Self {
         Self {
             least: Some(-tolerance),
             ..Self::below(case, quantity, measured, tolerance)
@@ -71,7 +66,7 @@ impl Measurement {
     pub fn held(
         held: bool,
         case: String,
-        quantity: impl Into<Cow<'static, str>>,
+        quantity: &'static str,
         measured: f64,
         tolerance: f64,
     ) -> Self {
@@ -83,15 +78,10 @@ impl Measurement {
     }
 
     /// A number that may be at most `most`.
-    pub fn below(
-        case: String,
-        quantity: impl Into<Cow<'static, str>>,
-        measured: f64,
-        most: f64,
-    ) -> Self {
+    pub fn below(case: String, quantity: &'static str, measured: f64, most: f64) -> Self {
         Self {
             case,
-            quantity: quantity.into(),
+            quantity: Cow::Borrowed(quantity),
             measured,
             least: None,
             most: Some(most),
@@ -109,7 +99,7 @@ impl Measurement {
     }
 
     /// A number shown beside the others, whatever it is.
-    pub fn shown(case: String, quantity: impl Into<Cow<'static, str>>, measured: f64) -> Self {
+    pub fn shown(case: String, quantity: &'static str, measured: f64) -> Self {
         Self {
             most: None,
             informative: true,

@@ -7,7 +7,8 @@
 //! own operator: all pieces in it take their share of the flow, and on its rim, where the surface is far enough away (what it does falls by four from
 //! cell to cell), the pressure is the distance from the wall.
 //!
-//! What that leaves out, the frequency and the angle, is made up for by [`OF_BOXES`].
+//! What that leaves out, the frequency and the angle, is made up for by [`OF_BOXES`]; before columns of cells the mass is that of a wall along the axes and
+//! [`OF_COLUMNS`].
 
 use super::WallCells;
 use super::linear::conjugate_gradients;

@@ -1,6 +1,6 @@
 //! The fast engine against the reference engine: the same bytes for any size, thread count and instruction set.
 
-use fdtd::field::fast::InstructionSet;
+use fdtd::field::fast::{InstructionSet, Machine};
 use fdtd::field::{FastField, Field, FieldSetup, Injection, ReferenceField, StepForcing};
 use fdtd::grid::{Grid, Medium};
 use fdtd::scheme::Scheme;
@@ -89,20 +89,15 @@ fn forcing(grid: &Grid, spread: Spread, steps: usize) -> Vec<StepForcing> {
         .collect()
 }
 
-fn compare(
-    setup: &FieldSetup,
-    forcing: &[StepForcing],
-    threads: usize,
-    instructions: InstructionSet,
-) {
+fn compare(setup: &FieldSetup, forcing: &[StepForcing], threads: usize, machine: Machine) {
     let mut plain = ReferenceField::new(setup.clone());
-    let mut fast = FastField::with_instructions(setup.clone(), threads, instructions);
+    let mut fast = FastField::on(machine, setup.clone(), threads);
     let (mut expected, mut got) = (Vec::new(), Vec::new());
     plain.advance(forcing, &mut expected);
     // Uneven pieces: blocks of all lengths occur, odd ones swap the buffers.
     let (head, tail) = forcing.split_at(forcing.len() / 3);
     fast.advance(head, &mut got);
-    let mut resumed = FastField::with_instructions(setup.clone(), 1, instructions);
+    let mut resumed = FastField::on(machine, setup.clone(), 1);
     resumed.set_state(&fast.state());
     fast.advance(tail, &mut got);
     assert_eq!(bits(&expected), bits(&got), "received signal");
@@ -132,7 +127,8 @@ proptest! {
         scheme in prop::sample::select(&Scheme::ALL[..]),
         spread in prop::sample::select(&Spread::ALL[..]),
         steps in 20usize..70,
-        portable in any::<bool>(),
+        instructions in prop::sample::select(&[InstructionSet::Portable, InstructionSet::Avx2, InstructionSet::Avx512, InstructionSet::Avx512][..]),
+        first_level_bytes in prop_oneof![Just(0usize), 2000usize..20_000],
         rectangles in prop::collection::vec(prop::array::uniform4(0usize..180), 0..4),
         lines in prop::collection::vec(prop::array::uniform4(0.0..0.9_f64), 0..3),
         model in prop::sample::select(&WallModel::ALL[..]),
@@ -145,7 +141,7 @@ proptest! {
             model.cells(&grid, &slanted(&lines))
         };
         let setup = FieldSetup::new(&grid, &AIR, scheme, layer, &walls);
-        let instructions = if portable { InstructionSet::Portable } else { InstructionSet::detect() };
-        compare(&setup, &forcing(&grid, spread, steps), threads, instructions);
+        let machine = Machine { instructions, first_level_bytes };
+        compare(&setup, &forcing(&grid, spread, steps), threads, machine);
     }
 }

@@ -1,11 +1,13 @@
 //! The fast engine: several steps per pass through memory, vectors of eight or sixteen cells, one strip of rows per thread.
 //!
+//! * `blocking`: how much of it a step takes at once, by the first-level cache.
 //! * `layout`: lane-transposed rows, so that loads are aligned and shared between columns.
 //! * `memory`: what the absorbing layers remember; `walls`: what walls change.
 //! * `tiles`: time blocks of strips of rows, so that threads meet once per block; `team`: these threads.
 //! * `kernel`: the sweeps, a wavefront of short blocks of rows that keeps the rows of all steps of a block in cache, and the
 //!   vectors of eight or sixteen numbers they are written with.
 
+mod blocking;
 mod kernel;
 mod layout;
 mod memory;
@@ -16,10 +18,12 @@ mod walls;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+pub use blocking::Machine;
 pub use kernel::InstructionSet;
 #[cfg(target_arch = "x86_64")]
 pub(in crate::field) use kernel::{with_avx2, with_avx512};
 
+use self::blocking::Blocking;
 use self::kernel::Shared;
 use self::layout::RowLayout;
 use self::memory::{MemoryX, MemoryY};
@@ -38,6 +42,7 @@ const BLOCK: usize = 32;
 struct Plan {
     setup: FieldSetup,
     layout: RowLayout,
+    blocking: Blocking,
     memory_x: MemoryX,
     memory_y: MemoryY,
     high: Profile,
@@ -99,24 +104,24 @@ impl FastField {
     /// # Panics
     /// When the threads cannot be started.
     pub fn new(setup: FieldSetup, threads: usize) -> Self {
-        Self::with_instructions(setup, threads, InstructionSet::detect())
+        Self::on(Machine::detect(), setup, threads)
     }
 
-    /// As [`FastField::new`], with an instruction set of choice; one that the machine lacks is replaced by the best it
-    /// has.
+    /// As [`FastField::new`], laid out for a machine of choice, which changes no byte; instructions that this one lacks are replaced by the best
+    /// it has.
     ///
     /// # Panics
     /// When the threads cannot be started.
-    pub fn with_instructions(
-        setup: FieldSetup,
-        threads: usize,
-        instructions: InstructionSet,
-    ) -> Self {
+    pub fn on(machine: Machine, setup: FieldSetup, threads: usize) -> Self {
         let best = InstructionSet::detect();
-        let instructions = match (instructions, best) {
-            (InstructionSet::Portable, _) => instructions,
-            (InstructionSet::Avx2, InstructionSet::Avx512) => instructions,
+        let instructions = match (machine.instructions, best) {
+            (InstructionSet::Portable, _) => InstructionSet::Portable,
+            (InstructionSet::Avx2, InstructionSet::Avx512) => InstructionSet::Avx2,
             _ => best,
+        };
+        let machine = Machine {
+            instructions,
+            ..machine
         };
         let threads = threads.max(1);
         let layout = RowLayout::new(
@@ -126,7 +131,7 @@ impl FastField {
             setup.scheme.radius(),
         );
         let numbers = (setup.ny + 2 * layout.halo) * layout.stride;
-        let plan = Plan::new(setup, layout, instructions);
+        let plan = Plan::new(setup, layout, machine);
         Self {
             now: Level::silent(numbers, 0),
             other: Level::silent(numbers, 32),
@@ -182,8 +187,9 @@ impl FastField {
 }
 
 impl Plan {
-    fn new(setup: FieldSetup, layout: RowLayout, instructions: InstructionSet) -> Self {
+    fn new(setup: FieldSetup, layout: RowLayout, machine: Machine) -> Self {
         Self {
+            blocking: Blocking::new(setup.scheme, &layout, machine.first_level_bytes),
             high: setup.layer.mirrored(),
             memory_x: MemoryX::new(setup.layer.width()),
             memory_y: MemoryY::new(setup.layer.cells(), layout.stride),
@@ -192,7 +198,7 @@ impl Plan {
                 .collect(),
             walls: Walls::new(&setup.walls, &layout),
             layout,
-            instructions,
+            instructions: machine.instructions,
             setup,
         }
     }

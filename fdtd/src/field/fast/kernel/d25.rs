@@ -55,9 +55,6 @@ impl<V: Vector> Sweep<V> for D25 {
         }
     }
 
-    const ROWS: usize = 16;
-    const CHUNK: usize = 480;
-
     #[inline(always)]
     unsafe fn rows(
         w: &Splat<V>,

@@ -13,7 +13,7 @@ use super::along_y::LayerRow;
 use super::near::{Loads, beside};
 use super::sweep::Sweep;
 use super::vector::Vector;
-use super::{Levels, Shared};
+use super::{Levels, Shared, Weights};
 
 /// One step of some rows of the strips.
 ///
@@ -24,6 +24,7 @@ pub(super) unsafe fn strips<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     plan: &Plan,
     shared: Shared,
     levels: Levels,
+    weights: &Weights<V>,
     rows: Range<usize>,
 ) {
     // Rows of a layer along y apart from the others, whose loops are then short enough for the registers.
@@ -33,13 +34,13 @@ pub(super) unsafe fn strips<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     // SAFETY: the caller's promise.
     unsafe {
         if rows.start < low {
-            strip_rows::<V, S, true>(plan, shared, levels, rows.start..low);
+            strip_rows::<V, S, true>(plan, shared, levels, weights, rows.start..low);
         }
         if low < high {
-            strip_rows::<V, S, false>(plan, shared, levels, low..high);
+            strip_rows::<V, S, false>(plan, shared, levels, weights, low..high);
         }
         if high < rows.end {
-            strip_rows::<V, S, true>(plan, shared, levels, high..rows.end);
+            strip_rows::<V, S, true>(plan, shared, levels, weights, high..rows.end);
         }
     }
 }
@@ -53,10 +54,11 @@ unsafe fn strip_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>, const ALONG_Y: b
     plan: &Plan,
     shared: Shared,
     levels: Levels,
+    weights: &Weights<V>,
     rows: Range<usize>,
 ) {
-    let weights = &Splat::<V>::new(&plan.setup.weights);
-    let narrow = &Splat::<V::Narrow>::new(&plan.setup.weights);
+    // Copies, which no store can change.
+    let (weights, narrow) = (&{ weights.wide }, &{ weights.narrow });
     for column in &plan.layout.columns {
         let (rows, x) = (rows.clone(), column.at);
         let wide = column.cells > NARROW;

@@ -45,9 +45,6 @@ impl<V: Vector> Sweep<V> for M13 {
         }
     }
 
-    const ROWS: usize = 24;
-    const CHUNK: usize = 480;
-
     #[inline(always)]
     unsafe fn rows(
         w: &Splat<V>,
@@ -176,59 +173,117 @@ unsafe fn m13_pair<V: Vector>(
 ) {
     // SAFETY: the caller's promise covers every offset used here.
     unsafe {
-        let back = now.sub(2 * V::LANES);
-        let (south, north) = (now.sub(stride), now.add(2 * stride));
-        let (far_south, far_north) = (south.sub(stride), north.add(stride));
-        let mut lower: [V; 4] = std::array::from_fn(|k| V::load(back.add(k * V::LANES)));
-        let mut upper: [V; 4] =
-            std::array::from_fn(|k| V::load(back.add(stride).add(k * V::LANES)));
-        let west = [south, north].map(|row| V::load(row.sub(V::LANES)));
-        let mut beside = [south, north].map(|row| V::load(row));
-        let mut upright = [beside[0].add(upper[2]), lower[2].add(beside[1])];
-        let mut columns = [
-            [
-                w.m13_column(lower[1], west[0].add(upper[1])),
-                w.m13_column(lower[2], upright[0]),
-            ],
-            [
-                w.m13_column(upper[1], lower[1].add(west[1])),
-                w.m13_column(upper[2], upright[1]),
-            ],
-        ];
-        for j in 0..vectors {
+        let mut held = Pair::new(w, now, stride);
+        let mut j = 0;
+        while j + UNROLLED <= vectors {
+            for k in 0..UNROLLED {
+                let at = (j + k) * V::LANES;
+                held.step(w, now.add(at), next.add(at), stride);
+            }
+            j += UNROLLED;
+        }
+        for j in j..vectors {
             let at = j * V::LANES;
-            let beyond = [now, now.add(stride)].map(|row| V::load(row.add(at + 2 * V::LANES)));
-            let east = [south, north].map(|row| V::load(row.add(at + V::LANES)));
+            held.step(w, now.add(at), next.add(at), stride);
+        }
+    }
+}
+
+/// What the sweep over two rows holds from vector to vector.
+struct Pair<V> {
+    /// Cells of the lower and the upper row, from two to the west to one to the east.
+    rows: [[V; 4]; 2],
+    /// Cells of the row below and of that above both.
+    beside: [V; 2],
+    /// Sums of the cells below and above each.
+    upright: [V; 2],
+    /// Parts of the columns to the west and of the column itself.
+    columns: [[V; 2]; 2],
+}
+
+impl<V: Vector> Pair<V> {
+    /// What is held before the vector at `now` of the lower row.
+    ///
+    /// # Safety
+    /// As [`m13_pair`].
+    #[inline(always)]
+    unsafe fn new(w: &Splat<V>, now: *const f32, stride: usize) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let back = now.sub(2 * V::LANES);
+            let (south, north) = (now.sub(stride), now.add(2 * stride));
+            let lower: [V; 4] = std::array::from_fn(|k| V::load(back.add(k * V::LANES)));
+            let upper: [V; 4] =
+                std::array::from_fn(|k| V::load(back.add(stride).add(k * V::LANES)));
+            let west = [south, north].map(|row| V::load(row.sub(V::LANES)));
+            let beside = [south, north].map(|row| V::load(row));
+            let upright = [beside[0].add(upper[2]), lower[2].add(beside[1])];
+            let columns = [
+                [
+                    w.m13_column(lower[1], west[0].add(upper[1])),
+                    w.m13_column(lower[2], upright[0]),
+                ],
+                [
+                    w.m13_column(upper[1], lower[1].add(west[1])),
+                    w.m13_column(upper[2], upright[1]),
+                ],
+            ];
+            Self {
+                rows: [lower, upper],
+                beside,
+                upright,
+                columns,
+            }
+        }
+    }
+
+    /// One vector of both rows.
+    ///
+    /// # Safety
+    /// As [`m13_pair`].
+    #[inline(always)]
+    unsafe fn step(&mut self, w: &Splat<V>, now: *const f32, next: *mut f32, stride: usize) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let [lower, upper] = self.rows;
+            let (south, north) = (now.sub(stride), now.add(2 * stride));
+            let (far_south, far_north) = (south.sub(stride), north.add(stride));
+            let beyond = [now, now.add(stride)].map(|row| V::load(row.add(2 * V::LANES)));
+            let east = [south, north].map(|row| V::load(row.add(V::LANES)));
             let rising = [east[0].add(upper[3]), lower[3].add(east[1])];
             let column = [
                 w.m13_column(lower[3], rising[0]),
                 w.m13_column(upper[3], rising[1]),
             ];
-            let target = next.add(at);
             w.m13(
                 lower[2],
-                upright[0],
-                [columns[0][0], column[0]],
+                self.upright[0],
+                [self.columns[0][0], column[0]],
                 [lower[0], beyond[0]],
-                [V::load(far_south.add(at)), beside[1]],
-                V::load(target),
+                [V::load(far_south), self.beside[1]],
+                V::load(next),
             )
-            .store(target);
-            let target = target.add(stride);
+            .store(next);
+            let above = next.add(stride);
             w.m13(
                 upper[2],
-                upright[1],
-                [columns[1][0], column[1]],
+                self.upright[1],
+                [self.columns[1][0], column[1]],
                 [upper[0], beyond[1]],
-                [beside[0], V::load(far_north.add(at))],
-                V::load(target),
+                [self.beside[0], V::load(far_north)],
+                V::load(above),
             )
-            .store(target);
-            lower = [lower[1], lower[2], lower[3], beyond[0]];
-            upper = [upper[1], upper[2], upper[3], beyond[1]];
-            columns = [[columns[0][1], column[0]], [columns[1][1], column[1]]];
-            upright = rising;
-            beside = east;
+            .store(above);
+            self.rows = [
+                [lower[1], lower[2], lower[3], beyond[0]],
+                [upper[1], upper[2], upper[3], beyond[1]],
+            ];
+            self.columns = [
+                [self.columns[0][1], column[0]],
+                [self.columns[1][1], column[1]],
+            ];
+            self.upright = rising;
+            self.beside = east;
         }
     }
 }

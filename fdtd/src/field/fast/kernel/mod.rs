@@ -64,6 +64,23 @@ pub(super) struct Shared {
     pub(super) surfaces: *mut f32,
 }
 
+/// The stencil's weights for whole vectors and for the narrow ones of the strips, worked out once for all rows of a tile.
+struct Weights<V: Vector> {
+    wide: Splat<V>,
+    narrow: Splat<V::Narrow>,
+}
+
+impl<V: Vector> Weights<V> {
+    #[inline(always)]
+    fn new(plan: &Plan) -> Self {
+        let weights = &plan.setup.weights;
+        Self {
+            wide: Splat::new(weights),
+            narrow: Splat::new(weights),
+        }
+    }
+}
+
 /// The levels of one step: the one it reads, and the past that it overwrites.
 #[derive(Clone, Copy)]
 struct Levels {
@@ -201,10 +218,10 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     sums: &RowSums,
     (own, above): Fronts<'_>,
 ) {
-    let weights = Splat::<V>::new(&plan.setup.weights);
+    let weights = Weights::<V>::new(plan);
     let radius = plan.setup.scheme.radius();
     let (begin, end) = tile.sweep(steps.len());
-    let block = <S as Sweep<V>>::ROWS as isize;
+    let block = plan.blocking.rows as isize;
     let (shared_rows, needed) = tile.waits_from(steps.len());
     let mut above = above;
     let mut base = begin;
@@ -247,7 +264,7 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
 unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     plan: &Plan,
     shared: Shared,
-    weights: &Splat<V>,
+    weights: &Weights<V>,
     rows: std::ops::Range<usize>,
     step: usize,
     forcing: &StepForcing,
@@ -266,12 +283,12 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             quiet::memory::<V>(plan, shared, rows.clone());
         }
         let start = (rows.start + layout.halo) * stride + layout.centre_at;
-        let chunk = <S as Sweep<V>>::CHUNK / V::LANES;
+        let chunk = plan.blocking.chunk;
         for first in (0..layout.centre).step_by(chunk) {
             let from = start + first * V::LANES;
             let vectors = chunk.min(layout.centre - first);
             V::sweep::<S>(
-                weights,
+                &weights.wide,
                 levels.now.add(from),
                 levels.next.add(from),
                 stride,
@@ -279,12 +296,12 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
                 rows.len(),
             );
             let vectors = first..first + vectors;
-            along_y::centre::<V, S>(plan, shared, levels, weights, vectors, rows.clone());
+            along_y::centre::<V, S>(plan, shared, levels, &weights.wide, vectors, rows.clone());
         }
         // After the centre: the single cells of the halo that strips read were stored long ago by then.
         for first in rows.clone().step_by(EDGE_ROWS) {
             let few = first..rows.end.min(first + EDGE_ROWS);
-            layers::strips::<V, S>(plan, shared, levels, few);
+            layers::strips::<V, S>(plan, shared, levels, weights, few);
         }
         if forcing.quiet {
             quiet::cells::<V>(plan, levels, rows.clone());
@@ -299,29 +316,27 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             quiet::walls(plan, shared, levels, rows.clone());
         }
         walls::silence(&plan.walls, levels, &rows);
-        for iy in rows {
-            let at = (iy + layout.halo) * stride;
-            let next = levels.next.add(at);
-            let next = std::slice::from_raw_parts_mut(next, stride);
-            for injection in &forcing.injections {
-                let s = &injection.stencil;
-                if let Some(wy) = iy.checked_sub(s.y0).and_then(|j| s.wy.get(j)) {
-                    let weight = wy * injection.amplitude;
-                    for (i, wx) in s.wx.iter().enumerate() {
-                        let p = &mut next[layout.offset(s.x0 + i)];
-                        *p = wx.mul_add(weight, *p);
-                    }
+        let row = |iy: usize| levels.next.add((iy + layout.halo) * stride);
+        for injection in &forcing.injections {
+            let s = &injection.stencil;
+            for (iy, wy) in (s.y0..).zip(&s.wy).filter(|(iy, _)| rows.contains(iy)) {
+                let weight = wy * injection.amplitude;
+                for (i, wx) in s.wx.iter().enumerate() {
+                    let p = row(iy).add(layout.offset(s.x0 + i));
+                    *p = wx.mul_add(weight, *p);
                 }
             }
-            halo::refresh::<V>(layout, next.as_mut_ptr());
-            let s = &forcing.receiver;
-            if let Some(j) = iy.checked_sub(s.y0).filter(|&j| j < TAPS) {
-                let taps = s.wx.iter().enumerate();
-                let sum: f64 = taps
-                    .map(|(i, &w)| f64::from(w) * f64::from(next[layout.offset(s.x0 + i)]))
-                    .sum();
-                sums[j].store(sum.to_bits(), Ordering::Relaxed);
-            }
+        }
+        for iy in rows.clone() {
+            halo::refresh::<V>(layout, row(iy));
+        }
+        let s = &forcing.receiver;
+        for (iy, row_sum) in (s.y0..).zip(sums).filter(|(iy, _)| rows.contains(iy)) {
+            let taps = s.wx.iter().enumerate();
+            let sum: f64 = taps
+                .map(|(i, &w)| f64::from(w) * f64::from(*row(iy).add(layout.offset(s.x0 + i))))
+                .sum();
+            row_sum.store(sum.to_bits(), Ordering::Relaxed);
         }
     }
 }

@@ -5,9 +5,6 @@ use super::near::Near;
 use super::sweep::Sweep;
 use super::vector::Vector;
 
-/// Rows that the sweep holds in registers together.
-const HELD: usize = 4;
-
 /// The 5-point sweep.
 pub(super) struct Slf;
 
@@ -28,9 +25,6 @@ impl<V: Vector> Sweep<V> for Slf {
         }
     }
 
-    const ROWS: usize = 24;
-    const CHUNK: usize = 480;
-
     #[inline(always)]
     unsafe fn rows(
         w: &Splat<V>,
@@ -40,43 +34,57 @@ impl<V: Vector> Sweep<V> for Slf {
         vectors: usize,
         rows: usize,
     ) {
+        let mut done = 0;
         // SAFETY: the caller's promise covers every offset used here.
         unsafe {
-            let mut done = 0;
-            while done + HELD <= rows {
-                let (now, next) = (now.add(done * stride), next.add(done * stride));
-                let row = |i: usize| now.add(i * stride);
-                let mut west: [V; HELD] = std::array::from_fn(|i| V::load(row(i).sub(V::LANES)));
-                let mut here: [V; HELD] = std::array::from_fn(|i| V::load(row(i)));
-                for j in 0..vectors {
-                    let at = j * V::LANES;
-                    let east: [V; HELD] =
-                        std::array::from_fn(|i| V::load(row(i).add(at + V::LANES)));
-                    let south = V::load(now.add(at).sub(stride));
-                    let north = V::load(row(HELD).add(at));
-                    for i in 0..HELD {
-                        let below = if i == 0 { south } else { here[i - 1] };
-                        let above = if i + 1 == HELD { north } else { here[i + 1] };
-                        let target = next.add(i * stride + at);
-                        w.slf(here[i], [west[i], east[i]], [below, above], V::load(target))
-                            .store(target);
-                    }
-                    west = here;
-                    here = east;
-                }
-                done += HELD;
-            }
-            for i in done..rows {
-                let (row, target) = (now.add(i * stride), next.add(i * stride));
-                for j in 0..vectors {
-                    let at = row.add(j * V::LANES);
-                    let sides = [V::load(at.sub(V::LANES)), V::load(at.add(V::LANES))];
-                    let ends = [V::load(at.sub(stride)), V::load(at.add(stride))];
-                    let target = target.add(j * V::LANES);
-                    w.slf(V::load(at), sides, ends, V::load(target))
-                        .store(target);
-                }
+            while done < rows {
+                let at = done * stride;
+                let (now, next) = (now.add(at), next.add(at));
+                done += match rows - done {
+                    1 => held::<V, 1>(w, now, next, stride, vectors),
+                    2 => held::<V, 2>(w, now, next, stride, vectors),
+                    3 => held::<V, 3>(w, now, next, stride, vectors),
+                    5 if V::MANY => held::<V, 5>(w, now, next, stride, vectors),
+                    6.. if V::MANY => held::<V, 6>(w, now, next, stride, vectors),
+                    _ => held::<V, 4>(w, now, next, stride, vectors),
+                };
             }
         }
     }
+}
+
+/// The sweep over `ROWS` rows of the centre, held in registers together, so that most cells are loaded once; returns how many.
+///
+/// # Safety
+/// As [`Sweep::rows`] for so many rows.
+#[inline(always)]
+unsafe fn held<V: Vector, const ROWS: usize>(
+    w: &Splat<V>,
+    now: *const f32,
+    next: *mut f32,
+    stride: usize,
+    vectors: usize,
+) -> usize {
+    // SAFETY: the caller's promise covers every offset used here.
+    unsafe {
+        let row = |i: usize| now.add(i * stride);
+        let mut west: [V; ROWS] = std::array::from_fn(|i| V::load(row(i).sub(V::LANES)));
+        let mut here: [V; ROWS] = std::array::from_fn(|i| V::load(row(i)));
+        for j in 0..vectors {
+            let at = j * V::LANES;
+            let east: [V; ROWS] = std::array::from_fn(|i| V::load(row(i).add(at + V::LANES)));
+            let south = V::load(now.add(at).sub(stride));
+            let north = V::load(row(ROWS).add(at));
+            for i in 0..ROWS {
+                let below = if i == 0 { south } else { here[i - 1] };
+                let above = if i + 1 == ROWS { north } else { here[i + 1] };
+                let target = next.add(i * stride + at);
+                w.slf(here[i], [west[i], east[i]], [below, above], V::load(target))
+                    .store(target);
+            }
+            west = here;
+            here = east;
+        }
+    }
+    ROWS
 }

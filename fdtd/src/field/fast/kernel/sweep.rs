@@ -6,12 +6,6 @@ use super::vector::Vector;
 
 /// A scheme's sweep.
 pub(super) trait Sweep<V: Vector> {
-    /// Rows that a step of the wavefront takes together.
-    const ROWS: usize;
-    /// Cells of the centre that these rows take one after the other: all they touch then stays in the first-level cache,
-    /// and each vector comes from the second level once per block.
-    const CHUNK: usize;
-
     /// Rows of the centre. `now` and `next` point to the first vector of the first row's part, `vectors` long.
     ///
     /// # Safety

@@ -75,7 +75,7 @@ impl Blocking {
                 let vectors = first_level_bytes * 3 / 4 / (8 * layout.lanes * size_of::<f32>());
                 let parts = whole.div_ceil(vectors.max(1));
                 Self {
-                    rows: if scheme == Scheme::D25 { 16 } else { 24 },
+                    rows: 24,
                     chunk: whole.div_ceil(parts),
                 }
             }

@@ -14,10 +14,10 @@ use crate::walls::{Reaction, Surface};
 pub(super) struct Walls {
     /// Corrected cells, by how many entries they have.
     pub(super) corrections: Vec<Corrections>,
-    /// Cells inside walls.
+    /// Cells inside walls that the stencil brings something to from outside; the others stay silent by themselves.
     pub(super) solid: Cells,
-    /// Surfaces that are not rigid, row by row.
-    pub(super) surfaces: Vec<Vec<RowSurface>>,
+    /// Surfaces that are not rigid, row by row; no rows when there are none.
+    surfaces: Vec<Vec<RowSurface>>,
 }
 
 /// Cells in ascending order of their rows.
@@ -81,6 +81,15 @@ impl Corrections {
 }
 
 impl Walls {
+    /// The surfaces that are not rigid of each of some rows.
+    pub(super) fn surfaces_of(
+        &self,
+        rows: &Range<usize>,
+    ) -> impl Iterator<Item = (usize, &[RowSurface])> {
+        let surfaces = self.surfaces.get(rows.clone()).unwrap_or_default();
+        rows.clone().zip(surfaces.iter().map(Vec::as_slice))
+    }
+
     /// Those of `walls` in rows of `layout`.
     pub(super) fn new(walls: &WallOperator, layout: &RowLayout) -> Self {
         let row_at = |iy: usize| (iy + layout.halo) * layout.stride;
@@ -113,7 +122,10 @@ impl Walls {
         });
         let mut solid = Cells::default();
         for (iy, row) in walls.solid.iter().enumerate() {
-            solid.push_row(row.iter().map(|&ix| row_at(iy) + layout.offset(ix)));
+            let reached = row
+                .iter()
+                .filter(|&&ix| is_reached(walls, layout.halo, [ix, iy]));
+            solid.push_row(reached.map(|&ix| row_at(iy) + layout.offset(ix)));
         }
         let surface = |surface: &Surface| RowSurface {
             taps: (surface.taps.iter())
@@ -130,8 +142,22 @@ impl Walls {
             corrections: corrections.collect(),
             solid,
             surfaces: (walls.surfaces.iter())
+                .filter(|_| walls.surface_count() > 0)
                 .map(|row| row.iter().map(surface).collect())
                 .collect(),
         }
     }
+}
+
+/// Whether a cell that is not solid lies in the stencil of this one, which is a diamond.
+fn is_reached(walls: &WallOperator, radius: usize, [ix, iy]: [usize; 2]) -> bool {
+    let rows = iy.saturating_sub(radius)..(iy + radius + 1).min(walls.solid.len());
+    rows.clone().any(|y| {
+        let reach = radius - y.abs_diff(iy);
+        let row = &walls.solid[y];
+        let nearest = row.partition_point(|&x| x + reach < ix);
+        // So many solid cells that follow each other.
+        row.get(nearest..=nearest + 2 * reach)
+            .is_none_or(|cells| cells[0] + reach != ix || cells[2 * reach] != ix + reach)
+    })
 }

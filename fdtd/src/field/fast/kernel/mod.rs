@@ -307,11 +307,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             quiet::cells::<V>(plan, levels, rows.clone());
         }
         walls::correct(&plan.walls, levels, &rows);
-        for iy in rows.clone() {
-            let at = (iy + layout.halo) * stride;
-            let surfaces = &plan.walls.surfaces[iy];
-            walls::react(surfaces, shared, levels.now.add(at), levels.next.add(at));
-        }
+        walls::react(plan, shared, levels, &rows);
         if forcing.quiet {
             quiet::walls(plan, shared, levels, rows.clone());
         }

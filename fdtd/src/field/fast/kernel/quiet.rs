@@ -71,11 +71,11 @@ pub(super) unsafe fn walls(plan: &Plan, shared: Shared, levels: Levels, rows: Ra
             few(levels.next.wrapping_add(at as usize), 1);
         }
     }
-    for iy in rows {
+    for (iy, surfaces) in plan.walls.surfaces_of(&rows) {
         let row = levels
             .next
             .wrapping_add((iy + plan.layout.halo) * plan.layout.stride);
-        for surface in &plan.walls.surfaces[iy] {
+        for surface in surfaces {
             few(
                 shared.surfaces.wrapping_add(surface.memory),
                 surface.memory_count,

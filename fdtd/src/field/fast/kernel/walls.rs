@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::super::Plan;
 use super::super::walls::{Corrections, RowSurface, Walls};
 use super::{Levels, Shared};
 use crate::walls::Reaction;
@@ -71,17 +72,25 @@ pub(super) unsafe fn silence(walls: &Walls, levels: Levels, rows: &Range<usize>)
     }
 }
 
+/// Lets the surfaces of some rows yield.
+///
+/// # Safety
+/// As [`super::run_tile`], for these rows.
+#[inline(always)]
+pub(super) unsafe fn react(plan: &Plan, shared: Shared, levels: Levels, rows: &Range<usize>) {
+    for (iy, surfaces) in plan.walls.surfaces_of(rows) {
+        let at = (iy + plan.layout.halo) * plan.layout.stride;
+        // SAFETY: the caller's promise.
+        unsafe { react_row(surfaces, shared, levels.now.add(at), levels.next.add(at)) };
+    }
+}
+
 /// Lets the surfaces of a row, which begins at `now` and `next`, yield.
 ///
 /// # Safety
 /// As [`super::run_tile`], for this row.
 #[inline(always)]
-pub(super) unsafe fn react(
-    surfaces: &[RowSurface],
-    shared: Shared,
-    now: *const f32,
-    next: *mut f32,
-) {
+unsafe fn react_row(surfaces: &[RowSurface], shared: Shared, now: *const f32, next: *mut f32) {
     for surface in surfaces {
         // SAFETY: the caller's promise; the memory of a row's surfaces belongs to who writes the row.
         unsafe {

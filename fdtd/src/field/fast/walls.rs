@@ -14,7 +14,7 @@ use crate::walls::{Reaction, Surface};
 pub(super) struct Walls {
     /// Corrected cells, by how many entries they have.
     pub(super) corrections: Vec<Corrections>,
-    /// Cells inside walls that the stencil brings something to from outside; the others stay silent by themselves.
+    /// Cells inside walls: all of them, as the source's kernel may reach any.
     pub(super) solid: Cells,
     /// Surfaces that are not rigid, row by row; no rows when there are none.
     surfaces: Vec<Vec<RowSurface>>,
@@ -122,10 +122,7 @@ impl Walls {
         });
         let mut solid = Cells::default();
         for (iy, row) in walls.solid.iter().enumerate() {
-            let reached = row
-                .iter()
-                .filter(|&&ix| is_reached(walls, layout.halo, [ix, iy]));
-            solid.push_row(reached.map(|&ix| row_at(iy) + layout.offset(ix)));
+            solid.push_row(row.iter().map(|&ix| row_at(iy) + layout.offset(ix)));
         }
         let surface = |surface: &Surface| RowSurface {
             taps: (surface.taps.iter())
@@ -147,17 +144,4 @@ impl Walls {
                 .collect(),
         }
     }
-}
-
-/// Whether a cell that is not solid lies in the stencil of this one, which is a diamond.
-fn is_reached(walls: &WallOperator, radius: usize, [ix, iy]: [usize; 2]) -> bool {
-    let rows = iy.saturating_sub(radius)..(iy + radius + 1).min(walls.solid.len());
-    rows.clone().any(|y| {
-        let reach = radius - y.abs_diff(iy);
-        let row = &walls.solid[y];
-        let nearest = row.partition_point(|&x| x + reach < ix);
-        // So many solid cells that follow each other.
-        row.get(nearest..=nearest + 2 * reach)
-            .is_none_or(|cells| cells[0] + reach != ix || cells[2 * reach] != ix + reach)
-    })
 }

@@ -1,7 +1,6 @@
 //! How much of the field a step of the wavefront takes at once, so that the first-level cache holds what is read again soon.
 //!
-//! What the leapfrog's sweep does to a few rows is two additions and a multiplication for each number read; it waits for the second-level
-//! cache. When a step takes no more rows than fit into the first level, together with the two beyond them and those of the level that is
+//! The leapfrog's sweep does five operations for three numbers that come from the second-level cache or go there, and waits for them. When a step takes no more rows than fit into the first level, together with the two beyond them and those of the level that is
 //! written, the next step finds nearly all of them there. Wider stencils move on by more rows per step and have more to do for each
 //! number: they take many rows, in parts short enough that a cell is there for all rows of its stencil.
 

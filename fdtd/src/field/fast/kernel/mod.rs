@@ -312,25 +312,28 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             quiet::walls(plan, shared, levels, rows.clone());
         }
         walls::silence(&plan.walls, levels, &rows);
-        let row = |iy: usize| levels.next.add((iy + layout.halo) * stride);
+        let row = |iy: usize| {
+            let at = levels.next.add((iy + layout.halo) * stride);
+            std::slice::from_raw_parts_mut(at, stride)
+        };
         for injection in &forcing.injections {
             let s = &injection.stencil;
             for (iy, wy) in (s.y0..).zip(&s.wy).filter(|(iy, _)| rows.contains(iy)) {
-                let weight = wy * injection.amplitude;
+                let (row, weight) = (row(iy), wy * injection.amplitude);
                 for (i, wx) in s.wx.iter().enumerate() {
-                    let p = row(iy).add(layout.offset(s.x0 + i));
+                    let p = &mut row[layout.offset(s.x0 + i)];
                     *p = wx.mul_add(weight, *p);
                 }
             }
         }
         for iy in rows.clone() {
-            halo::refresh::<V>(layout, row(iy));
+            halo::refresh::<V>(layout, row(iy).as_mut_ptr());
         }
         let s = &forcing.receiver;
         for (iy, row_sum) in (s.y0..).zip(sums).filter(|(iy, _)| rows.contains(iy)) {
-            let taps = s.wx.iter().enumerate();
+            let (row, taps) = (row(iy), s.wx.iter().enumerate());
             let sum: f64 = taps
-                .map(|(i, &w)| f64::from(w) * f64::from(*row(iy).add(layout.offset(s.x0 + i))))
+                .map(|(i, &w)| f64::from(w) * f64::from(row[layout.offset(s.x0 + i)]))
                 .sum();
             row_sum.store(sum.to_bits(), Ordering::Relaxed);
         }

@@ -3,7 +3,7 @@
 //! One step at every cell, in this order of operations (all of them fused multiply-adds, so that both engines, any
 //! thread count and any instruction set give the same bytes):
 //! 1. the plain stencil of the scheme, 2. the layer along y, 3. the layers along x, 4. the corrections and surfaces at walls,
-//! 5. zero in solid cells, 6. the source's injections, 7. the receiver reads.
+//! 5. the source's injections, 6. zero in solid cells, 7. the receiver reads.
 //!
 //! *Subnormal numbers.* Ahead of the first wave front the field falls off through all magnitudes to zero. Some processors take a hundred cycles for
 //! every operation on a number below the normal range, which made the first thousands of steps there ten times as slow as all others. A step that is

@@ -178,9 +178,6 @@ impl ReferenceField {
                     }
                 }
             }
-            for &ix in &self.setup.walls.solid[iy] {
-                next[ix] = 0.0;
-            }
         }
     }
 }
@@ -198,6 +195,12 @@ impl Field for ReferenceField {
                     for (p, wx) in self.now[start..start + TAPS].iter_mut().zip(&s.wx) {
                         *p = wx.mul_add(weight, *p);
                     }
+                }
+            }
+            for (iy, solid) in self.setup.walls.solid.iter().enumerate() {
+                let start = (iy + RIM) * stride + RIM;
+                for ix in solid {
+                    self.now[start + ix] = 0.0;
                 }
             }
             let s = &forcing.receiver;

@@ -77,7 +77,7 @@ impl Plan {
         points: &dyn Fn(f64) -> [[f64; 2]; 2],
     ) -> Self {
         let drive = Extent::of_drive(&domain.grid, duration_s, points);
-        Self::in_window(Window::within(domain, &drive), steps)
+        Self::in_window(Window::within(domain, &drive, points(0.0)), steps)
     }
 
     fn in_window(window: Window, steps: u64) -> Self {
@@ -218,8 +218,9 @@ impl Window {
         }
     }
 
-    /// What the walls and a drive take of the domain, with clearance and layer; never more than the domain.
-    fn within(domain: &Domain, drive: &Extent) -> Self {
+    /// What a drive and the walls that sound from its start (source and receiver, metres) can meet take of the domain, with clearance and layer; never
+    /// more than the domain.
+    fn within(domain: &Domain, drive: &Extent, start: [[f64; 2]; 2]) -> Self {
         let whole = Self::whole(domain);
         let mut first = drive
             .low
@@ -227,7 +228,8 @@ impl Window {
         let mut end = drive
             .high
             .map(|x| x.ceil() as i64 + domain.margin_cells() as i64);
-        if let Some([low, high]) = domain.walls.extent() {
+        let start = start.map(|point| domain.grid.to_cells(point).map(|x| x.floor() as usize));
+        if let Some([low, high]) = domain.walls.extent_met(&start) {
             for axis in 0..2 {
                 let margin = domain.wall_margin_cells() as i64;
                 first[axis] = first[axis].min(low[axis] as i64 - margin);

@@ -5,6 +5,7 @@
 //! * `cut` (with `clip`): cells that keep the part that walls leave open;
 //! * `faces`: weights of faces, and where walls of an impedance have their surface;
 //! * `openings`: what all of it gives to the field; [`operator`] (with `patch`): the field's rows near walls;
+//! * `reached`: which walls sound from a place can meet;
 //! * `impedance`: what the surface of a wall may be; `branches`: one of resistances, inertances and compliances, in steps; `fit` (with `linear`):
 //!   which of these;
 //! * `surface`: what surfaces of an impedance do to the field; `column` with `aperture` (and `half_line`), and `footprint`: through which cells, before
@@ -29,6 +30,7 @@ mod openings;
 pub mod operator;
 mod patch;
 mod rasterize;
+mod reached;
 mod slant;
 mod spring;
 mod surface;

@@ -112,40 +112,47 @@ impl WallCells {
         })
     }
 
-    /// The walls in a part of the grid that begins at column and row `first`.
+    /// The walls in a part of the grid that begins at column and row `first`; what is not in it is left out.
     ///
     /// # Panics
-    /// When the part reaches beyond the grid or leaves out a piece of a wall.
+    /// When the part reaches beyond the grid.
     pub fn window(&self, first: [usize; 2], [nx, ny]: [usize; 2]) -> Self {
         let [x, y] = first;
         assert!(
             x + nx <= self.solid.nx && y + ny <= self.solid.ny,
             "a part of the grid"
         );
-        let holds = |[ix, iy]: [usize; 2]| (x..x + nx).contains(&ix) && (y..y + ny).contains(&iy);
-        if let Some(ends) = self.extent() {
-            assert!(ends.into_iter().all(holds), "all walls are in the part");
-        }
         let mut solid = SolidMask::open(nx, ny);
         for (row, cells) in solid.cells.chunks_exact_mut(nx).enumerate() {
             let begin = (y + row) * self.solid.nx + x;
             cells.copy_from_slice(&self.solid.cells[begin..begin + nx]);
         }
-        let moved = |cell: usize| (cell / self.solid.nx - y) * nx + cell % self.solid.nx - x;
+        let place = |[ix, iy]: [usize; 2]| {
+            let holds = (x..x + nx).contains(&ix) && (y..y + ny).contains(&iy);
+            holds.then(|| [ix - x, iy - y])
+        };
+        let moved = |cell: usize| {
+            let [ix, iy] = place([cell % self.solid.nx, cell / self.solid.nx])?;
+            Some(iy * nx + ix)
+        };
         let partial = self
             .partial
             .iter()
-            .map(|(&cell, &opening)| (moved(cell), opening));
-        let loads = self.loads.iter().map(|load| Load {
-            cell: [load.cell[0] - x, load.cell[1] - y],
-            ..load.clone()
+            .filter_map(|(&cell, &opening)| Some((moved(cell)?, opening)));
+        let loads = self.loads.iter().filter_map(|load| {
+            Some(Load {
+                cell: place(load.cell)?,
+                ..load.clone()
+            })
         });
         let slants = self.slants.iter();
         Self {
             solid,
             partial: partial.collect(),
             loads: loads.collect(),
-            slants: slants.map(|(&cell, &slant)| (moved(cell), slant)).collect(),
+            slants: slants
+                .filter_map(|(&cell, &slant)| Some((moved(cell)?, slant)))
+                .collect(),
         }
     }
 

@@ -12,6 +12,7 @@ use super::surface::{Surface, surfaces};
 use super::{SolidMask, WallCells};
 use crate::scheme::{Polynomial, Weights};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// One cell next to a wall and the entries that its row has beside the plain stencil.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,6 +129,14 @@ impl WallOperator {
                 .map(|(at, weight)| (at, weight / linear))
                 .collect()
         }
+    }
+
+    /// The solid cells among some columns of a row.
+    pub fn solid_within(&self, iy: usize, columns: Range<usize>) -> &[usize] {
+        let solid = &self.solid[iy];
+        let first = solid.partition_point(|&ix| ix < columns.start);
+        let count = solid[first..].partition_point(|&ix| ix < columns.end);
+        &solid[first..first + count]
     }
 
     /// How many numbers the field keeps of surfaces.

@@ -59,7 +59,10 @@ const LINE: usize = 16;
 #[repr(C, align(64))]
 struct Line([f32; LINE]);
 
-/// One time level. The two levels start at different places of a page: were the same cells of both at the same place,
+/// Lines in a page.
+const PAGE_LINES: usize = 4096 / size_of::<Line>();
+
+/// One time level. The two levels start at different places of a page, wherever the allocator puts them: were the same cells of both at the same place,
 /// loads of one would wait for stores to the other (the processor compares the low 12 bits first).
 #[derive(Debug)]
 struct Level {
@@ -68,11 +71,13 @@ struct Level {
 }
 
 impl Level {
-    fn silent(numbers: usize, skip: usize) -> Self {
-        let lines = skip + numbers.div_ceil(LINE);
+    /// Zeros that begin `place` lines into a page.
+    fn silent(numbers: usize, place: usize) -> Self {
+        let lines = vec![Line([0.0; LINE]); numbers.div_ceil(LINE) + PAGE_LINES - 1];
+        let begin = lines.as_ptr().addr() / size_of::<Line>();
         Self {
-            lines: vec![Line([0.0; LINE]); lines],
-            skip,
+            skip: (place + PAGE_LINES - begin % PAGE_LINES) % PAGE_LINES,
+            lines,
         }
     }
 

@@ -14,7 +14,7 @@ use crate::walls::{Reaction, Surface};
 pub(super) struct Walls {
     /// Corrected cells, by how many entries they have.
     pub(super) corrections: Vec<Corrections>,
-    /// Cells inside walls: all of them, as the source's kernel may reach any.
+    /// Cells inside walls to which the stencil brings something from outside; those farther in stay silent by themselves.
     pub(super) solid: Cells,
     /// Surfaces that are not rigid, row by row; no rows when there are none.
     surfaces: Vec<Vec<RowSurface>>,
@@ -122,7 +122,10 @@ impl Walls {
         });
         let mut solid = Cells::default();
         for (iy, row) in walls.solid.iter().enumerate() {
-            solid.push_row(row.iter().map(|&ix| row_at(iy) + layout.offset(ix)));
+            let reached = row
+                .iter()
+                .filter(|&&ix| is_reached(walls, layout.halo, [ix, iy]));
+            solid.push_row(reached.map(|&ix| row_at(iy) + layout.offset(ix)));
         }
         let surface = |surface: &Surface| RowSurface {
             taps: (surface.taps.iter())
@@ -144,4 +147,14 @@ impl Walls {
                 .collect(),
         }
     }
+}
+
+/// Whether there is a cell that is not solid in the stencil of this one, which is a diamond.
+fn is_reached(walls: &WallOperator, radius: usize, [ix, iy]: [usize; 2]) -> bool {
+    let mut rows = iy.saturating_sub(radius)..(iy + radius + 1).min(walls.solid.len());
+    rows.any(|y| {
+        let reach = radius - y.abs_diff(iy);
+        let solid = walls.solid_within(y, ix.saturating_sub(reach)..ix + reach + 1);
+        solid.len() < 2 * reach + 1
+    })
 }

@@ -1,6 +1,6 @@
 //! The unsafe heart of the fast engine: sweeps over rows through raw pointers. Nothing outside this folder is unsafe.
 //!
-//! * here: who runs which rows of which step, source and receiver; `walls`: what walls change;
+//! * here: who runs which rows of which step; `walls`: what walls change; `transducers`: source and receiver;
 //! * `sweep`, `slf`, `m13`, `d25`: the plain stencils;
 //! * `layers`: the strips beside the centre with the absorbing layers along x; `along_y`: those along y; `near`: what they see of a cell's neighbourhood;
 //! * `quiet`: small numbers set to zero;
@@ -27,6 +27,7 @@ mod near;
 mod quiet;
 mod slf;
 mod sweep;
+mod transducers;
 mod vector;
 mod walls;
 
@@ -49,7 +50,7 @@ use super::team::{Front, Team};
 use super::tiles::Tile;
 use super::{Line, Plan};
 use crate::scheme::Scheme;
-use crate::spread::TAPS;
+use crate::spread::{Stencil, TAPS};
 
 /// The buffers of a field as the tiles of one time block see them.
 #[derive(Clone, Copy)]
@@ -316,26 +317,18 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             let at = levels.next.add((iy + layout.halo) * stride);
             std::slice::from_raw_parts_mut(at, stride)
         };
+        let within = |s: &Stencil| rows.start.max(s.y0)..rows.end.min(s.y0 + TAPS);
         for injection in &forcing.injections {
-            let s = &injection.stencil;
-            for (iy, wy) in (s.y0..).zip(&s.wy).filter(|(iy, _)| rows.contains(iy)) {
-                let (row, weight) = (row(iy), wy * injection.amplitude);
-                for (i, wx) in s.wx.iter().enumerate() {
-                    let p = &mut row[layout.offset(s.x0 + i)];
-                    *p = wx.mul_add(weight, *p);
-                }
+            for iy in within(&injection.stencil) {
+                transducers::send(plan, row(iy), iy, injection);
             }
         }
         for iy in rows.clone() {
             halo::refresh::<V>(layout, row(iy).as_mut_ptr());
         }
-        let s = &forcing.receiver;
-        for (iy, row_sum) in (s.y0..).zip(sums).filter(|(iy, _)| rows.contains(iy)) {
-            let (row, taps) = (row(iy), s.wx.iter().enumerate());
-            let sum: f64 = taps
-                .map(|(i, &w)| f64::from(w) * f64::from(row[layout.offset(s.x0 + i)]))
-                .sum();
-            row_sum.store(sum.to_bits(), Ordering::Relaxed);
+        for iy in within(&forcing.receiver) {
+            let sum = transducers::hear(plan, row(iy), &forcing.receiver);
+            sums[iy - forcing.receiver.y0].store(sum.to_bits(), Ordering::Relaxed);
         }
     }
 }

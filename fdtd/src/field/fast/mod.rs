@@ -15,6 +15,7 @@ mod team;
 mod tiles;
 mod walls;
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -67,26 +68,29 @@ const PAGE_LINES: usize = 4096 / size_of::<Line>();
 #[derive(Debug)]
 struct Level {
     lines: Vec<Line>,
-    skip: usize,
+    /// Those that hold it.
+    own: Range<usize>,
 }
 
 impl Level {
     /// Zeros that begin `place` lines into a page.
     fn silent(numbers: usize, place: usize) -> Self {
-        let lines = vec![Line([0.0; LINE]); numbers.div_ceil(LINE) + PAGE_LINES - 1];
+        let count = numbers.div_ceil(LINE);
+        let lines = vec![Line([0.0; LINE]); count + PAGE_LINES - 1];
         let begin = lines.as_ptr().addr() / size_of::<Line>();
+        let skip = (place + PAGE_LINES - begin % PAGE_LINES) % PAGE_LINES;
         Self {
-            skip: (place + PAGE_LINES - begin % PAGE_LINES) % PAGE_LINES,
             lines,
+            own: skip..skip + count,
         }
     }
 
     fn numbers(&self) -> &[f32] {
-        kernel::flat(&self.lines[self.skip..])
+        kernel::flat(&self.lines[self.own.clone()])
     }
 
     fn numbers_mut(&mut self) -> &mut [f32] {
-        kernel::flat_mut(&mut self.lines[self.skip..])
+        kernel::flat_mut(&mut self.lines[self.own.clone()])
     }
 }
 

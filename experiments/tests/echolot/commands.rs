@@ -185,11 +185,13 @@ fn an_interrupted_simulation_goes_on_to_the_same_bytes() {
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_echolot"))
         .current_dir(at)
         .args(["simulate", "room.json", "--path", "short", "-o", "parts"])
-        .stderr(std::process::Stdio::null())
+        .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    // Long enough to be under way, mostly: an earlier or later signal is a weaker test and still right.
-    std::thread::sleep(std::time::Duration::from_millis(900));
+    // It tells what it is about to do, and is under way a moment later, mostly: an earlier or later signal is a weaker test and still right.
+    let mut told = std::io::BufReader::new(child.stderr.take().unwrap());
+    std::io::BufRead::read_line(&mut told, &mut String::new()).unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(150));
     let killed = std::process::Command::new("kill")
         .arg(child.id().to_string())
         .status();

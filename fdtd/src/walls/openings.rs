@@ -102,14 +102,7 @@ impl WallCells {
     pub fn extent(&self) -> Option<[[usize; 2]; 2]> {
         let nx = self.solid.nx;
         let partial = self.partial.keys().map(|cell| (cell % nx, cell / nx));
-        let touched = self.solid.iter_solid().chain(partial);
-        touched.fold(None, |extent, (ix, iy)| {
-            let [low, high] = extent.unwrap_or([[ix, iy]; 2]);
-            Some([
-                [low[0].min(ix), low[1].min(iy)],
-                [high[0].max(ix), high[1].max(iy)],
-            ])
-        })
+        bounds(self.solid.iter_solid().chain(partial))
     }
 
     /// The walls in a part of the grid that begins at column and row `first`; what is not in it is left out.
@@ -227,6 +220,17 @@ impl WallCells {
         }
         Some(opening)
     }
+}
+
+/// Lowest and highest column and row of some cells; `None` without any.
+pub(super) fn bounds(cells: impl Iterator<Item = (usize, usize)>) -> Option<[[usize; 2]; 2]> {
+    cells.fold(None, |extent, (ix, iy)| {
+        let [low, high] = extent.unwrap_or([[ix, iy]; 2]);
+        Some([
+            [low[0].min(ix), low[1].min(iy)],
+            [high[0].max(ix), high[1].max(iy)],
+        ])
+    })
 }
 
 impl From<SolidMask> for WallCells {

@@ -1,6 +1,7 @@
 //! Which walls sound from a place can meet: what lies deeper in them or beyond closed ones cannot matter, and need not be simulated.
 
 use super::WallCells;
+use super::openings::bounds;
 
 /// How far from the air, in cells along either axis, a wall takes part in what sound does: the widest stencil's reach, and one more.
 const DEPTH: usize = 4;
@@ -37,16 +38,7 @@ impl WallCells {
         }
         let near = widened(&reached, nx);
         let touched = (0..nx * ny).map(|cell| (cell % nx, cell / nx));
-        let mut met = touched.filter(|&(ix, iy)| near[iy * nx + ix] && self.is_touched(ix, iy));
-        let first = met.next().map(|(ix, iy)| [[ix, iy]; 2]);
-        met.fold(first, |extent, (ix, iy)| {
-            extent.map(|[low, high]| {
-                [
-                    [low[0].min(ix), low[1].min(iy)],
-                    [high[0].max(ix), high[1].max(iy)],
-                ]
-            })
-        })
+        bounds(touched.filter(|&(ix, iy)| near[iy * nx + ix] && self.is_touched(ix, iy)))
     }
 }
 

@@ -13,6 +13,9 @@
 /// Reflection-controlling strength of the profile at the outer edge, in units of `c/dx`: 2.65e5 1/s at 5 mm, 340 m/s.
 const SIGMA_MAX: f64 = 2.65e5 * 0.005 / 340.0;
 
+/// Frequency shift `alpha` of the stretching in units of `c/dx`: waves of 6000 cells and less are absorbed as without it.
+const ALPHA: f64 = 1e-3;
+
 /// Widths along x are rounded up to whole vectors of this many cells; the added cells do not absorb.
 const VECTOR: usize = 8;
 
@@ -20,6 +23,8 @@ const VECTOR: usize = 8;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     cells: usize,
+    /// Decay where nothing absorbs.
+    open: f32,
     /// Decay of the face recursion; `face[i]` lies on the outer side of cell `i`; `width + 1` faces.
     pub face: Vec<f32>,
     /// Decay of the cell recursion; `width` cells.
@@ -33,12 +38,14 @@ impl Profile {
         let width = cells.next_multiple_of(VECTOR);
         let decay = |position: f64| {
             let depth = ((n - position) / n).max(0.0);
-            (-SIGMA_MAX * 20.0 / n * courant * depth.powi(3)).exp() as f32
+            (-(ALPHA + SIGMA_MAX * 20.0 / n * depth.powi(3)) * courant).exp() as f32
         };
+        let open = (-ALPHA * courant).exp() as f32;
         Self {
             cells,
+            open,
             face: (0..=width)
-                .map(|i| if cells == 0 { 1.0 } else { decay(i as f64) })
+                .map(|i| if cells == 0 { open } else { decay(i as f64) })
                 .collect(),
             cell: (0..width).map(|i| decay(i as f64 + 0.5)).collect(),
         }
@@ -47,6 +54,11 @@ impl Profile {
     /// Width of the layer in cells.
     pub fn cells(&self) -> usize {
         self.cells
+    }
+
+    /// Decay `a = exp(-alpha dt)` of cells and faces that do not absorb: with it a recursion remembers nothing.
+    pub fn open(&self) -> f32 {
+        self.open
     }
 
     /// The width rounded up to whole vectors: how many cells the recursions along x take.
@@ -58,6 +70,7 @@ impl Profile {
     pub fn mirrored(&self) -> Self {
         Self {
             cells: self.cells,
+            open: self.open,
             face: self.face.iter().rev().copied().collect(),
             cell: self.cell.iter().rev().copied().collect(),
         }
@@ -84,8 +97,8 @@ mod tests {
     fn the_profile_is_strongest_outside_and_meets_the_interior_at_zero() {
         let profile = Profile::new(20, 0.5667);
         assert_eq!((profile.cells(), profile.width()), (20, 24));
-        assert_eq!(profile.face[20..], [1.0; 5]);
-        assert_eq!(profile.cell[20..], [1.0; 4]);
+        assert_eq!(profile.face[20..], [profile.open(); 5]);
+        assert_eq!(profile.cell[20..], [profile.open(); 4]);
         assert!(profile.face[..21].windows(2).all(|pair| pair[0] < pair[1]));
         assert!((f64::from(profile.face[0]) - (-2.65e5_f64 / 120_000.0).exp()).abs() < 1e-3);
         assert_eq!(profile.row(100, 20), None);

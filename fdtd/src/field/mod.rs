@@ -41,8 +41,6 @@ pub struct FieldSetup {
     pub scheme: Scheme,
     /// Its weights.
     pub weights: Weights,
-    /// Courant number squared.
-    pub courant2: f32,
     /// The absorbing layer on all four sides; zero cells for none (then the edge is pressure-free).
     pub layer: Profile,
     /// Walls.
@@ -83,7 +81,6 @@ impl FieldSetup {
             ny: grid.ny,
             scheme,
             weights,
-            courant2: (courant * courant) as f32,
             layer: Profile::new(layer_cells, courant),
             walls: WallOperator::new(walls, &weights, &polynomial, scheme.radius()).with_surfaces(
                 walls,

@@ -95,7 +95,8 @@ impl ReferenceField {
                     next,
                 ),
             }
-            let (scheme, courant2) = (self.setup.scheme, self.setup.courant2);
+            let (scheme, linear) = (self.setup.scheme, self.setup.weights.linear);
+            let open = self.setup.layer.open();
             let weights = Splat::new(&self.setup.weights);
             if let (Some(decay), Some(at)) =
                 (self.setup.layer.row(ny, iy), layer_row(cells, ny, iy))
@@ -112,7 +113,7 @@ impl ReferenceField {
                 }
                 let [lower, here, upper] = &self.layered;
                 let decay = |_| decay;
-                absorb([lower, here, upper], decay, memory, courant2, next);
+                absorb([lower, here, upper], decay, open, memory, linear, next);
             }
             let sides = [(&self.setup.layer, 0), (&self.high, nx - width)];
             let memory = &mut self.layer_x[iy * 6 * width..(iy + 1) * 6 * width];
@@ -133,8 +134,9 @@ impl ReferenceField {
                 absorb(
                     layered,
                     decay,
+                    open,
                     memory,
-                    courant2,
+                    linear,
                     &mut next[first..first + width],
                 );
             }

@@ -167,26 +167,28 @@ pub(super) type LayerMemory<N> = [N; 3];
 
 /// One step of the layer's recursions at one cell from the differences of pressure (with the wide schemes of
 /// what [`Splat::m13_layer`] and [`Splat::d25_layer`] give) over its lower and upper face and the
-/// decays of lower face, upper face and cell; returns the memory after it and what to add to the plain step, in units
-/// of the Courant number squared (see [`crate::pml`]).
+/// decays of lower face, upper face and cell and that of open air; returns the memory after it and what to add to the plain step, in units
+/// of the plain step's coefficient of `A + B` (see [`crate::pml`]).
 #[inline(always)]
 pub(super) fn layer<N: Number>(
     [lower, upper]: [N; 2],
     decay: [N; 3],
+    open: N,
     memory: LayerMemory<N>,
 ) -> (LayerMemory<N>, N) {
     let faces = [
-        face_memory(decay[0], memory[0], lower),
-        face_memory(decay[1], memory[1], upper),
+        face_memory(decay[0], open, memory[0], lower),
+        face_memory(decay[1], open, memory[1], upper),
     ];
-    let (zeta, change) = layer_cell([lower, upper], faces, decay[2], memory[2]);
+    let (zeta, change) = layer_cell([lower, upper], faces, decay[2], open, memory[2]);
     ([faces[0], faces[1], zeta], change)
 }
 
-/// Memory of a face (or cell) with this decay after a step, from that before it and what drives it.
+/// Memory of a face (or cell) with this decay after a step, from that before it and what drives it; `open` is the decay of open air, for
+/// which nothing is remembered.
 #[inline(always)]
-pub(super) fn face_memory<N: Number>(decay: N, old: N, drive: N) -> N {
-    decay.mul_add(old, decay.sub(N::splat(1.0)).mul(drive))
+pub(super) fn face_memory<N: Number>(decay: N, open: N, old: N, drive: N) -> N {
+    decay.mul_add(old, decay.sub(open).mul(drive))
 }
 
 /// The cell's part of [`layer`], from the slopes, the memory of the faces after this step, and the cell's decay and memory before it:
@@ -196,9 +198,10 @@ pub(super) fn layer_cell<N: Number>(
     [lower, upper]: [N; 2],
     faces: [N; 2],
     decay: N,
+    open: N,
     memory: N,
 ) -> (N, N) {
     let bend = faces[1].sub(faces[0]);
-    let zeta = face_memory(decay, memory, upper.sub(lower).add(bend));
+    let zeta = face_memory(decay, open, memory, upper.sub(lower).add(bend));
     (zeta, bend.add(zeta))
 }

@@ -45,8 +45,9 @@ pub(super) fn layered_row<'a>(
 pub(super) fn absorb(
     [lower, here, upper]: [&[f32]; 3],
     decay: impl Fn(usize) -> [f32; 3],
+    open: f32,
     memory: &mut [f32],
-    courant2: f32,
+    linear: f32,
     next: &mut [f32],
 ) {
     let n = next.len();
@@ -57,9 +58,9 @@ pub(super) fn absorb(
     for i in 0..n {
         let slopes = [here[i] - lower[i], upper[i] - here[i]];
         let old = [memory_lower[i], memory_upper[i], memory_cell[i]];
-        let (new, change) = layer(slopes, decay(i), old);
+        let (new, change) = layer(slopes, decay(i), open, old);
         [memory_lower[i], memory_upper[i], memory_cell[i]] = new;
-        next[i] = courant2.mul_add(change, next[i]);
+        next[i] = linear.mul_add(change, next[i]);
     }
 }
 

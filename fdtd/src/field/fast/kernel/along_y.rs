@@ -85,7 +85,8 @@ unsafe fn centre_column<V: Vector, S: Sweep<V>, const HIGH: bool, const COUNT: u
         return;
     };
     let stride = plan.layout.stride;
-    let courant2 = V::splat(first.courant2);
+    let linear = V::splat(first.linear);
+    let open = V::splat(first.open);
     // SAFETY: the caller's promise.
     unsafe {
         let at = (rows.start + plan.layout.halo) * stride + x;
@@ -110,7 +111,7 @@ unsafe fn centre_column<V: Vector, S: Sweep<V>, const HIGH: bool, const COUNT: u
                 // The row below has left the new memory of the face between.
                 V::load(face.sub(2 * stride))
             } else {
-                face_memory(V::splat(first.decay[0]), V::load(face), lower_slope[k])
+                face_memory(V::splat(first.decay[0]), open, V::load(face), lower_slope[k])
             };
         }
         for decay in &plan.row_decay[rows] {
@@ -122,14 +123,14 @@ unsafe fn centre_column<V: Vector, S: Sweep<V>, const HIGH: bool, const COUNT: u
                 let north = S::layered(weights, &Turned(&beside(&near, 0, 1)));
                 let upper_slope = north.sub(here[k]);
                 let old = V::load(if HIGH { face } else { face.add(2 * stride) });
-                let upper = face_memory(decay[1], old, upper_slope);
+                let upper = face_memory(decay[1], open, old, upper_slope);
                 let cell = face.add(stride);
                 let slopes = [lower_slope[k], upper_slope];
                 let faces = [lower[k], upper];
-                let (zeta, change) = layer_cell(slopes, faces, decay[2], V::load(cell));
+                let (zeta, change) = layer_cell(slopes, faces, decay[2], open, V::load(cell));
                 (if HIGH { upper } else { lower[k] }).store(face);
                 zeta.store(cell);
-                courant2.mul_add(change, V::load(next)).store(next);
+                linear.mul_add(change, V::load(next)).store(next);
                 (here[k], lower_slope[k], lower[k]) = (north, upper_slope, upper);
             }
             near.here = near.here.add(stride);
@@ -142,7 +143,8 @@ unsafe fn centre_column<V: Vector, S: Sweep<V>, const HIGH: bool, const COUNT: u
 /// A row of a layer along y.
 pub(super) struct LayerRow {
     stride: usize,
-    courant2: f32,
+    linear: f32,
+    open: f32,
     decay: [f32; 3],
     high: bool,
     /// Memory of its outer face.
@@ -157,7 +159,8 @@ impl LayerRow {
         let row = layer_row(plan.setup.layer.cells(), plan.setup.ny, iy)?;
         Some(Self {
             stride: plan.layout.stride,
-            courant2: plan.setup.courant2,
+            linear: plan.setup.weights.linear,
+            open: plan.setup.layer.open(),
             decay,
             high: plan.memory_y.is_high(row),
             face: shared.layer_y.wrapping_add(plan.memory_y.face(row)),
@@ -186,21 +189,22 @@ impl LayerRow {
             let north = S::layered(weights, &Turned(&beside(near, 0, 1)));
             let slopes = [here.sub(south), north.sub(here)];
             let decay = self.decay.map(V::splat);
+            let open = V::splat(self.open);
             let face = self.face.add(x);
             let cell = face.add(stride);
             let (outer, old) = (V::load(face), V::load(cell));
             let faces = if self.high {
                 // The row below has left the new memory of the face between.
                 let lower = V::load(face.sub(2 * stride));
-                [lower, face_memory(decay[1], outer, slopes[1])]
+                [lower, face_memory(decay[1], open, outer, slopes[1])]
             } else {
                 let inner = V::load(face.add(2 * stride));
                 [
-                    face_memory(decay[0], outer, slopes[0]),
-                    face_memory(decay[1], inner, slopes[1]),
+                    face_memory(decay[0], open, outer, slopes[0]),
+                    face_memory(decay[1], open, inner, slopes[1]),
                 ]
             };
-            let (zeta, change) = layer_cell(slopes, faces, decay[2], old);
+            let (zeta, change) = layer_cell(slopes, faces, decay[2], open, old);
             let new = faces[usize::from(self.high)];
             if foreign == 0 {
                 new.store(face);
@@ -209,7 +213,7 @@ impl LayerRow {
                 new.after(outer, foreign).store(face);
                 zeta.after(old, foreign).store(cell);
             }
-            V::splat(self.courant2).mul_add(change, p)
+            V::splat(self.linear).mul_add(change, p)
         }
     }
 }

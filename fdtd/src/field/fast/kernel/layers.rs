@@ -103,7 +103,8 @@ unsafe fn layer_column<V: Vector, S: Sweep<V>, const SIDE: usize, const ALONG_Y:
     rows: Range<usize>,
 ) {
     let stride = plan.layout.stride;
-    let courant2 = V::splat(plan.setup.courant2);
+    let linear = V::splat(plan.setup.weights.linear);
+    let open = V::splat(plan.setup.layer.open());
     let profile = if SIDE == 0 {
         &plan.setup.layer
     } else {
@@ -142,12 +143,12 @@ unsafe fn layer_column<V: Vector, S: Sweep<V>, const SIDE: usize, const ALONG_Y:
                 [inner, outer]
             };
             // Written out: a closure that is not inlined would call every vector instruction as a function.
-            let lower = face_memory(decay[0], old[0], slopes[0]);
-            let upper = face_memory(decay[1], old[1], slopes[1]);
-            let (zeta, change) = layer_cell(slopes, [lower, upper], decay[2], V::load(cell));
+            let lower = face_memory(decay[0], open, old[0], slopes[0]);
+            let upper = face_memory(decay[1], open, old[1], slopes[1]);
+            let (zeta, change) = layer_cell(slopes, [lower, upper], decay[2], open, V::load(cell));
             (if SIDE == 0 { lower } else { upper }).store(face);
             zeta.store(cell);
-            courant2.mul_add(change, p).store(next);
+            linear.mul_add(change, p).store(next);
             near.here = near.here.add(stride);
             next = next.add(stride);
             memory = memory.add(memory_stride);

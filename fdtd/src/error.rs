@@ -26,17 +26,21 @@ pub enum Error {
         /// What would be accepted.
         remedy: String,
     },
-    /// The field stopped being finite.
+    /// The field is what no source can have made.
     #[error(
-        "the field became non-finite between step {first_step} and {last_step} ({time_s:.4} s); reduce grid.dt_s or check the scene"
+        "the field cannot be trusted {time_s:.3} s into the drive: at [{:.3}, {:.3}] m{} {cause}; nothing is written of this run. \
+         A scene that passes its check must not do this, please report it",
+        place_m[0], place_m[1], if *in_layer { ", in the absorbing layer," } else { "" }
     )]
-    NonFinite {
-        /// First step of the block in which it happened.
-        first_step: u64,
-        /// Last step of that block.
-        last_step: u64,
-        /// Time of the block's end in seconds.
+    Unstable {
+        /// Time of the drive in seconds.
         time_s: f64,
+        /// Where the pressure is highest, `[x, y]` in the scene, metres.
+        place_m: [f64; 2],
+        /// Whether that is in the absorbing layer.
+        in_layer: bool,
+        /// The sign.
+        cause: String,
     },
     /// A checkpoint belongs to other inputs or is damaged.
     #[error("{}: {problem}; delete the file to start anew", path.display())]

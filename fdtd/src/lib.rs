@@ -9,6 +9,7 @@ pub mod grid;
 pub mod image_source;
 pub mod medium;
 pub mod motion;
+mod number;
 pub mod pml;
 pub mod rays;
 pub mod scene;

@@ -21,9 +21,10 @@ pub mod reference;
 mod stencil;
 
 pub use fast::FastField;
-pub use reference::ReferenceField;
+pub use reference::{PreciseField, ReferenceField};
 
 use crate::grid::{Grid, Medium};
+use crate::number::Real;
 use crate::pml::Profile;
 use crate::scheme::{Scheme, Weights};
 use crate::spread::Stencil;
@@ -185,10 +186,10 @@ fn layer_row(cells: usize, ny: usize, iy: usize) -> Option<usize> {
 
 /// Sets what is below [`QUIET_PA`] to zero.
 #[inline(always)]
-fn quieten(numbers: &mut [f32]) {
+fn quieten<N: Real>(numbers: &mut [N]) {
     for number in numbers {
-        if number.abs() < QUIET_PA {
-            *number = 0.0;
+        if number.is_below(QUIET_PA) {
+            *number = N::default();
         }
     }
 }

@@ -1,12 +1,13 @@
-//! The plain engine: one sweep over the rows per step, nothing rearranged.
+//! The plain engine: one sweep over the rows per step, nothing rearranged; in `f32`, and in `f64` with the same weights.
 
 mod rows;
 
 use self::rows::{absorb, d25_row, layered_row, m13_row, slf_row};
 use super::stencil::Splat;
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row, quieten};
+use crate::number::Real;
 use crate::pml::Profile;
-use crate::scheme::Scheme;
+use crate::scheme::{RESTORING_QUANTUM, Scheme};
 use crate::spread::TAPS;
 use crate::walls::Reaction;
 
@@ -15,32 +16,32 @@ const RIM: usize = 3;
 
 /// Two time levels in plain row order with a rim of zeros.
 #[derive(Debug, Clone)]
-pub struct ReferenceField {
+struct PlainField<N> {
     setup: FieldSetup,
     high: Profile,
-    now: Vec<f32>,
+    now: Vec<N>,
     /// The past before a step, the new pressure after it.
-    other: Vec<f32>,
-    layer_x: Vec<f32>,
-    layer_y: Vec<f32>,
-    surfaces: Vec<f32>,
+    other: Vec<N>,
+    layer_x: Vec<N>,
+    layer_y: Vec<N>,
+    surfaces: Vec<N>,
     /// What the layers take the second difference of, for the cells of three rows or of one with its neighbours.
-    layered: [Vec<f32>; 3],
+    layered: [Vec<N>; 3],
 }
 
-impl ReferenceField {
+impl<N: Real> PlainField<N> {
     /// A silent field.
-    pub fn new(setup: FieldSetup) -> Self {
+    fn new(setup: FieldSetup) -> Self {
         let padded = (setup.nx + 2 * RIM) * (setup.ny + 2 * RIM);
         let (cells, width) = (setup.layer.cells(), setup.layer.width());
         Self {
             high: setup.layer.mirrored(),
-            now: vec![0.0; padded],
-            other: vec![0.0; padded],
-            layer_x: vec![0.0; setup.ny * 6 * width],
-            layer_y: vec![0.0; 2 * cells * 3 * setup.nx],
-            surfaces: vec![0.0; setup.walls.surface_count()],
-            layered: std::array::from_fn(|_| vec![0.0; setup.nx]),
+            now: vec![N::default(); padded],
+            other: vec![N::default(); padded],
+            layer_x: vec![N::default(); setup.ny * 6 * width],
+            layer_y: vec![N::default(); 2 * cells * 3 * setup.nx],
+            surfaces: vec![N::default(); setup.walls.surface_count()],
+            layered: std::array::from_fn(|_| vec![N::default(); setup.nx]),
             setup,
         }
     }
@@ -144,28 +145,28 @@ impl ReferenceField {
                 quieten(next);
             }
             for correction in &self.setup.walls.corrections[iy] {
-                let mut sum = 0.0_f32;
+                let mut sum = N::default();
                 for &(dy, ix, weight) in &correction.entries {
-                    sum = weight.mul_add(row(dy)[RIM + ix], sum);
+                    sum = N::splat(weight).mul_add(row(dy)[RIM + ix], sum);
                 }
-                next[correction.ix] += sum;
+                next[correction.ix] = next[correction.ix].add(sum);
             }
             for surface in &self.setup.walls.surfaces[iy] {
                 let own = surface.memory..surface.memory + surface.memory_count();
                 let memory = &mut self.surfaces[own];
                 let mut sum = match surface.reaction {
-                    Reaction::Decay(decay) => decay * memory[0],
-                    Reaction::Branches(_) => 0.0,
+                    Reaction::Decay(decay) => N::splat(decay).mul(memory[0]),
+                    Reaction::Branches(_) => N::default(),
                 };
                 for &(dy, ix, weight) in &surface.taps {
-                    sum = weight.mul_add(row(dy)[RIM + ix], sum);
+                    sum = N::splat(weight).mul_add(row(dy)[RIM + ix], sum);
                 }
                 let change = match &surface.reaction {
-                    Reaction::Decay(_) => std::mem::replace(&mut memory[0], sum) - sum,
+                    Reaction::Decay(_) => std::mem::replace(&mut memory[0], sum).sub(sum),
                     Reaction::Branches(branches) => branches.step(sum, memory),
                 };
                 for &(ix, gain) in &surface.gains {
-                    next[ix] = gain.mul_add(change, next[ix]);
+                    next[ix] = N::splat(gain).mul_add(change, next[ix]);
                 }
             }
             if quiet {
@@ -182,33 +183,113 @@ impl ReferenceField {
             }
         }
     }
+
+    /// Zero pressure in solid cells.
+    fn silence_walls(&mut self) {
+        let stride = self.stride();
+        for (iy, solid) in self.setup.walls.solid.iter().enumerate() {
+            let start = (iy + RIM) * stride + RIM;
+            for ix in solid {
+                self.now[start + ix] = N::default();
+            }
+        }
+    }
+
+    /// A level without its rim, `[iy, ix]`.
+    fn plain(&self, padded: &[N]) -> Vec<N> {
+        let stride = self.stride();
+        let rows = padded[RIM * stride..].chunks_exact(stride);
+        rows.take(self.setup.ny)
+            .flat_map(|row| &row[RIM..RIM + self.setup.nx])
+            .copied()
+            .collect()
+    }
+}
+
+/// The plain engine in `f32`: the oracle of [`super::FastField`].
+#[derive(Debug, Clone)]
+pub struct ReferenceField(PlainField<f32>);
+
+impl ReferenceField {
+    /// A silent field.
+    pub fn new(setup: FieldSetup) -> Self {
+        Self(PlainField::new(setup))
+    }
+}
+
+/// The plain engine in `f64` with the weights as they are in `f32`: the discrete operator without the roundings of a step. Its growth or
+/// decay over silence tells the spectrum of what both engines take ([`crate::validation`]).
+#[derive(Debug, Clone)]
+pub struct PreciseField(PlainField<f64>);
+
+impl PreciseField {
+    /// A silent field.
+    pub fn new(setup: FieldSetup) -> Self {
+        Self(PlainField::new(setup))
+    }
+
+    /// Takes one step without source or receiver, all of the step's roundings in `f64`.
+    pub fn step(&mut self) {
+        self.0.step(false);
+        self.0.silence_walls();
+    }
+
+    /// Sets both time levels, `[iy, ix]`, where the walls leave air; the memory of layers and surfaces stays.
+    ///
+    /// # Panics
+    /// When the number of cells is another.
+    pub fn set_pressure(&mut self, pressure: &[f64]) {
+        let field = &mut self.0;
+        let (stride, nx) = (field.stride(), field.setup.nx);
+        assert_eq!(
+            pressure.len(),
+            nx * field.setup.ny,
+            "pressure of another grid"
+        );
+        for (iy, row) in pressure.chunks_exact(nx).enumerate() {
+            let at = (iy + RIM) * stride + RIM;
+            field.now[at..at + nx].copy_from_slice(row);
+            field.other[at..at + nx].copy_from_slice(row);
+        }
+        field.silence_walls();
+        std::mem::swap(&mut field.now, &mut field.other);
+        field.silence_walls();
+    }
+
+    /// Root of the sum of squares of pressure, of its change over a step in units of `sqrt(2^-23)`, and of what layers and surfaces remember: what the
+    /// restoring quantum alone makes swing has the same size in every phase.
+    pub fn norm(&self) -> f64 {
+        let field = &self.0;
+        let scale = 1.0 / f64::from(RESTORING_QUANTUM);
+        let levels = field.now.iter().zip(&field.other);
+        let pressure = levels.map(|(now, past)| now * now + (now - past).powi(2) * scale);
+        let memory = [&field.layer_x, &field.layer_y, &field.surfaces];
+        let memory = memory.into_iter().flatten().map(|number| number * number);
+        pressure.chain(memory).sum::<f64>().sqrt()
+    }
 }
 
 impl Field for ReferenceField {
     fn advance(&mut self, steps: &[StepForcing], received: &mut Vec<f32>) {
-        let stride = self.stride();
+        let field = &mut self.0;
+        let stride = field.stride();
         for forcing in steps {
-            self.step(forcing.quiet);
+            field.step(forcing.quiet);
             for injection in &forcing.injections {
                 let s = &injection.stencil;
                 for (j, wy) in s.wy.iter().enumerate() {
                     let start = (s.y0 + j + RIM) * stride + RIM + s.x0;
                     let weight = wy * injection.amplitude;
-                    for (p, wx) in self.now[start..start + TAPS].iter_mut().zip(&s.wx) {
+                    for (p, wx) in field.now[start..start + TAPS].iter_mut().zip(&s.wx) {
                         *p = wx.mul_add(weight, *p);
                     }
                 }
             }
-            for (iy, solid) in self.setup.walls.solid.iter().enumerate() {
-                let start = (iy + RIM) * stride + RIM;
-                for ix in solid {
-                    self.now[start + ix] = 0.0;
-                }
-            }
+            field.silence_walls();
             let s = &forcing.receiver;
             let rows: [f64; TAPS] = std::array::from_fn(|j| {
                 let start = (s.y0 + j + RIM) * stride + RIM + s.x0;
-                let taps = self.now[start..start + TAPS].iter().zip(&s.wx);
+                let taps = field.now[start..start + TAPS].iter().zip(&s.wx);
                 taps.map(|(&p, &w)| f64::from(w) * f64::from(p)).sum()
             });
             received.push(combine_rows(s, &rows));
@@ -220,31 +301,24 @@ impl Field for ReferenceField {
     }
 
     fn state(&self) -> FieldState {
-        let stride = self.stride();
-        let plain = |padded: &[f32]| {
-            let rows = padded[RIM * stride..]
-                .chunks_exact(stride)
-                .take(self.setup.ny);
-            rows.flat_map(|row| &row[RIM..RIM + self.setup.nx])
-                .copied()
-                .collect()
-        };
+        let field = &self.0;
         FieldState {
-            pressure: plain(&self.now),
-            previous: plain(&self.other),
-            layer_x: self.layer_x.clone(),
-            layer_y: self.layer_y.clone(),
-            surfaces: self.surfaces.clone(),
+            pressure: field.plain(&field.now),
+            previous: field.plain(&field.other),
+            layer_x: field.layer_x.clone(),
+            layer_y: field.layer_y.clone(),
+            surfaces: field.surfaces.clone(),
         }
     }
 
     fn set_state(&mut self, state: &FieldState) {
-        let (stride, nx) = (self.stride(), self.setup.nx);
+        let field = &mut self.0;
+        let (stride, nx) = (field.stride(), field.setup.nx);
         for (padded, plain) in [
-            (&mut self.now, &state.pressure),
-            (&mut self.other, &state.previous),
+            (&mut field.now, &state.pressure),
+            (&mut field.other, &state.previous),
         ] {
-            assert_eq!(plain.len(), nx * self.setup.ny, "state of another grid");
+            assert_eq!(plain.len(), nx * field.setup.ny, "state of another grid");
             for (row, from) in padded[RIM * stride..]
                 .chunks_exact_mut(stride)
                 .zip(plain.chunks_exact(nx))
@@ -252,14 +326,15 @@ impl Field for ReferenceField {
                 row[RIM..RIM + nx].copy_from_slice(from);
             }
         }
-        self.layer_x.copy_from_slice(&state.layer_x);
-        self.layer_y.copy_from_slice(&state.layer_y);
-        self.surfaces.copy_from_slice(&state.surfaces);
+        field.layer_x.copy_from_slice(&state.layer_x);
+        field.layer_y.copy_from_slice(&state.layer_y);
+        field.surfaces.copy_from_slice(&state.surfaces);
     }
 
     fn row_is_finite(&self, turn: usize) -> bool {
-        let start = (turn % self.setup.ny + RIM) * self.stride();
-        self.now[start..start + self.stride()]
+        let field = &self.0;
+        let start = (turn % field.setup.ny + RIM) * field.stride();
+        field.now[start..start + field.stride()]
             .iter()
             .all(|p| p.is_finite())
     }

@@ -1,46 +1,7 @@
 //! The plain step of each scheme and the recursion of the absorbing layer, written once for a number or a vector of them.
 
+use crate::number::Number;
 use crate::scheme::Weights;
-
-/// What the stencils need of a number: `f32` in the reference engine, eight of them in the fast one. All operations
-/// round like IEEE `f32`, lane by lane, therefore both give the same bytes.
-pub(super) trait Number: Copy {
-    fn splat(value: f32) -> Self;
-    fn add(self, other: Self) -> Self;
-    fn sub(self, other: Self) -> Self;
-    fn mul(self, other: Self) -> Self;
-    /// `self * factor + term`, rounded once.
-    fn mul_add(self, factor: Self, term: Self) -> Self;
-    /// `self * factor - term`, rounded once.
-    fn mul_sub(self, factor: Self, term: Self) -> Self;
-}
-
-impl Number for f32 {
-    #[inline(always)]
-    fn splat(value: f32) -> Self {
-        value
-    }
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self + other
-    }
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self - other
-    }
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self * other
-    }
-    #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        f32::mul_add(self, factor, term)
-    }
-    #[inline(always)]
-    fn mul_sub(self, factor: Self, term: Self) -> Self {
-        f32::mul_add(self, factor, -term)
-    }
-}
 
 /// Weights as numbers of the engine.
 #[derive(Clone, Copy)]

@@ -7,7 +7,7 @@ use crate::grid::Grid;
 /// What a cell of the field takes at the very least: two time levels, the next one and the layer's share, as `f32`.
 const BYTES_PER_CELL: u64 = 16;
 /// What a scheme must leave a wall of an impedance: with less, its surface gets more mass than the air before it has.
-const LEAST_SPARE: f64 = 1.0;
+pub(crate) const LEAST_SPARE: f64 = 1.0;
 /// Most cells along one axis; positions in cells stay exact in `f32`.
 const MAX_CELLS: usize = 1 << 20;
 

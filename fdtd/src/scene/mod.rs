@@ -1,6 +1,6 @@
 //! A scene: medium, grid, walls, waveform, robot and its drives, read from JSON and checked once.
 
-mod check;
+pub(crate) mod check;
 mod clearance;
 mod file;
 mod locate;

@@ -13,7 +13,7 @@ use crate::Error;
 use crate::field::FieldState;
 use crate::walls::Opening;
 
-const MAGIC: &str = "fdtd checkpoint 5";
+const MAGIC: &str = "fdtd checkpoint 6";
 
 /// FNV-1a over whole numbers: enough to tell inputs apart and to notice a damaged file.
 fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
@@ -146,6 +146,7 @@ impl Simulation {
         // The state is that after the last step, not yet the silence before the next piece.
         self.enter(self.plan.index_at(self.step().saturating_sub(1)));
         self.field.set_state(&state);
+        self.watch.note(self.drive.loudest(self.drive_step()));
         Ok(())
     }
 

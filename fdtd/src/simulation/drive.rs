@@ -143,6 +143,12 @@ impl Drive {
         }
     }
 
+    /// The most that the source has added to a cell in one of the first `steps` steps, Pa.
+    pub(super) fn loudest(&self, steps: u64) -> f64 {
+        let strengths = (1..=steps).map(|step| (self.strength_m2ps)(step as f64 * self.dt_s));
+        self.gain * strengths.fold(0.0, |most, strength| strength.abs().max(most))
+    }
+
     /// Places and strength at a time in seconds: source x and y, receiver x and y, strength.
     pub fn sample(&self, t_s: f64) -> [f64; 5] {
         let (source, receiver) = ((self.source_m)(t_s), (self.receiver_m)(t_s));

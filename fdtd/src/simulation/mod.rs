@@ -7,6 +7,7 @@ mod flow;
 mod options;
 mod pieces;
 mod ticks;
+mod watch;
 
 pub use domain::Domain;
 pub use drive::{Drive, SOURCE_STRENGTH_M2PS};
@@ -15,12 +16,13 @@ pub use options::SimulationOptions;
 
 use crate::Error;
 use crate::decimate::Decimator;
-use crate::field::{FastField, Field, ReferenceField, StepForcing};
+use crate::field::{FastField, Field, FieldState, ReferenceField, StepForcing};
 use crate::scene::Scene;
 use crate::waveform::PeriodicWaveform;
 
 use flow::Rhythm;
 use pieces::Plan;
+use watch::{Sight, Watch};
 
 /// Steps of a drive up to which its small numbers are set to zero ([`crate::field::is_quiet`]): 0.8 s on the papers' grid. In a longer one the start, the only
 /// time at which there are subnormal numbers, is less than a thousandth, and quiet steps would cost more than they save.
@@ -48,6 +50,7 @@ pub struct Simulation {
     origin_m: [f64; 2],
     /// When the observer wants to look, beside the progress.
     looks: Option<Rhythm>,
+    watch: Watch,
 }
 
 /// What is wanted of a run.
@@ -194,6 +197,7 @@ impl Simulation {
             reference_engine: options.reference_engine,
             origin_m: [0.0; 2],
             looks: None,
+            watch: Watch::default(),
         })
     }
 
@@ -213,7 +217,7 @@ impl Simulation {
     /// Runs to the end, or until the observer says stop; `observer` is called every 256 steps or sooner.
     ///
     /// # Errors
-    /// [`Error::NonFinite`] as soon as the field is not finite any more.
+    /// [`Error::Unstable`] when the field is what no source can have made.
     pub fn run(
         &mut self,
         observer: &mut dyn FnMut(Progress, &Self) -> Flow,
@@ -226,11 +230,18 @@ impl Simulation {
             }
             let first = self.drive_step();
             let look = self.looks.map_or(u64::MAX, |looks| looks.next_after(first));
-            let end = self.plan.pieces[piece].to.min(first + CHUNK).min(look);
+            let [due, of_energy] = self.watch.is_due(self.step());
+            let before = of_energy.then(|| self.field.state());
+            let chunk = if of_energy { 1 } else { CHUNK };
+            let end = self.plan.pieces[piece].to.min(first + chunk).min(look);
             let steps: Vec<StepForcing> =
                 (first..end).map(|step| self.drive.forcing(step)).collect();
             self.field.advance(&steps, &mut self.heard);
+            self.watch.follow(&steps);
             self.check_finite(first)?;
+            if due || self.step() == steps_total {
+                self.look_at_field(before.as_ref())?;
+            }
             let progress = Progress {
                 step: self.step(),
                 steps_total,
@@ -248,7 +259,7 @@ impl Simulation {
         Ok(Outcome::Finished)
     }
 
-    fn check_finite(&self, first: u64) -> Result<(), Error> {
+    fn check_finite(&mut self, first: u64) -> Result<(), Error> {
         let last = self.drive_step();
         let heard = &self.heard[self.heard.len() - (last - first) as usize..];
         let sampled = (0..4).all(|k| {
@@ -258,11 +269,19 @@ impl Simulation {
         if sampled && heard.iter().all(|p| p.is_finite()) {
             return Ok(());
         }
-        Err(Error::NonFinite {
-            first_step: first,
-            last_step: last,
-            time_s: self.time_s(),
-        })
+        self.look_at_field(None)
+    }
+
+    /// Looks whether the field is what the source can have made; `before` is the field a step ago.
+    fn look_at_field(&mut self, before: Option<&FieldState>) -> Result<(), Error> {
+        let sight = Sight {
+            domain: &self.domain,
+            window: self.plan.pieces[self.piece].window,
+            origin_m: self.origin_m,
+            steps: self.drive_step(),
+        };
+        let step = self.step();
+        self.watch.look(step, before, &self.field.state(), &sight)
     }
 
     /// Steps done, warm-ups included.

@@ -17,6 +17,8 @@ pub mod rig;
 pub mod room;
 pub mod round;
 pub mod scene_echoes;
+pub mod silence;
+pub mod stability;
 pub mod tilted;
 pub mod tilted_impedance;
 
@@ -127,7 +129,7 @@ pub struct Law {
 }
 
 /// All laws, in the table's order.
-pub const LAWS: [Law; 19] = [
+pub const LAWS: [Law; 21] = [
     Law {
         name: "line source in free field, at rest and moving",
         effort: [1, 2],
@@ -192,6 +194,16 @@ pub const LAWS: [Law; 19] = [
         name: "absorbing layer",
         effort: [3, 6],
         measure: layer::measure,
+    },
+    Law {
+        name: "no growing mode",
+        effort: [10, 1000],
+        measure: stability::measure,
+    },
+    Law {
+        name: "silence after a burst",
+        effort: [4, 600],
+        measure: silence::measure,
     },
     Law {
         name: "modes of a rigid box",

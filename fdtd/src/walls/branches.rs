@@ -20,6 +20,7 @@
 //! [`super::fit`] says which l and sigma.
 
 use super::fit::Reduced;
+use crate::number::Real;
 
 /// Branches of a surface as steps take them.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,20 +68,19 @@ impl Branches {
     /// One step with the pressure `sampled` before the surface in Pa: the velocity before it less that after it, of all branches.
     // Inlined: as a function of its own it would be compiled without fused multiply-adds.
     #[inline(always)]
-    pub(crate) fn step(&self, sampled: f32, memory: &mut [f32]) -> f32 {
+    pub(crate) fn step<N: Real>(&self, sampled: N, memory: &mut [N]) -> N {
         let mut drive = sampled;
         for (part, state) in self.parts.iter().zip(memory.chunks_exact(2)) {
-            drive = self
-                .mass
-                .mul_add(part.damping.mul_add(state[0], state[1]), drive);
+            let back = N::splat(part.damping).mul_add(state[0], state[1]);
+            drive = N::splat(self.mass).mul_add(back, drive);
         }
-        let mut change = 0.0;
+        let mut change = N::default();
         for (part, state) in self.parts.iter().zip(memory.chunks_exact_mut(2)) {
-            let back = part.damping.mul_add(state[0], state[1]);
-            let gain = part.flow.mul_add(drive, -back);
-            state[0] += gain;
-            state[1] = part.spring.mul_add(state[0], state[1]);
-            change -= gain;
+            let back = N::splat(part.damping).mul_add(state[0], state[1]);
+            let gain = N::splat(part.flow).mul_sub(drive, back);
+            state[0] = state[0].add(gain);
+            state[1] = N::splat(part.spring).mul_add(state[0], state[1]);
+            change = change.sub(gain);
         }
         change
     }

@@ -1,10 +1,11 @@
 //! Vectors of numbers: what the sweeps need of an instruction set.
 //! Loads and stores go through raw pointers; every function states what its caller promises.
 
-use super::super::super::stencil::{Number, Splat};
+use super::super::super::stencil::Splat;
 use super::super::super::{QUIET_PA, quieten};
 use super::super::layout::{NARROW, WIDE};
 use super::sweep::Sweep;
+use crate::number::Number;
 
 /// A few numbers in registers.
 pub(super) trait Vector: Number {

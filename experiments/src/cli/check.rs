@@ -62,10 +62,7 @@ impl Arguments {
             report::write(&folder, &targets, &judged, &summary)?;
             if let Some(file) = &self.into {
                 let quick = self.results.join("quick/summary.json");
-                let quick = quick
-                    .exists()
-                    .then(|| Summary::read(&quick))
-                    .transpose()?;
+                let quick = quick.exists().then(|| Summary::read(&quick)).transpose()?;
                 let blocks = [
                     readme::claims(&targets, &judged),
                     readme::commands(quick.as_ref(), &summary),

@@ -2,7 +2,7 @@
 
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
-.PHONY: help sim-experiments sim-quick figures picture claims validate test check bench bless
+.PHONY: help sim-experiments sim-quick figures picture claims reference validate test check bench bless
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -25,8 +25,11 @@ picture: ## the sound field that README shows (results/field.png)
 validate: ## hold the field against laws of physics, all cases (results/validation)
 	$(ECHOLOT) validate --full
 
-claims: ## hold the summary against the papers' claims (results/paper/report.md, README.md)
+claims: ## hold the summary against the papers' claims (results/paper/report.md, tables of README.md)
 	$(ECHOLOT) check --preset paper --into README.md
+
+reference: ## the command line as a page of the documents (docs/reference/command-line.md)
+	$(ECHOLOT) reference -o docs/reference/command-line.md
 
 test: ## all tests
 	cargo test --release --workspace

@@ -24,3 +24,8 @@ pub mod table;
 pub mod trials;
 pub mod ultrasound;
 pub mod validate;
+
+/// The Rust examples of the project's README, compiled as documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;

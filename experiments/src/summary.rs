@@ -186,7 +186,7 @@ pub struct Engine {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Schemes {
-    /// Standard leapfrog, the papers' scheme.
+    /// Standard leapfrog.
     pub slf: SchemeAccuracy,
 }
 

@@ -20,7 +20,7 @@ pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
             path.display(),
             field,
             problem,
-            "see the format in the README",
+            "see the formats in docs/reference/recording.md and map.md",
         )
     })
 }

@@ -1,6 +1,7 @@
 //! Verdicts on a summary: against a baseline (regression gate) and against the paper's claims.
 
 pub mod gate;
+pub mod readme;
 pub mod report;
 pub mod targets;
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 
 use super::aligned;
 use super::targets::{Judged, Measure, Targets, Verdict};
@@ -10,10 +10,18 @@ use crate::atomic;
 use crate::summary::Summary;
 
 /// Our number with its interval.
-fn ours(judged: &Judged) -> String {
+pub(super) fn ours(judged: &Judged) -> String {
     match judged.interval {
         Some([low, high]) => format!("{} [{low:.3}, {high:.3}]", judged.ours),
         None => judged.ours.clone(),
+    }
+}
+
+/// The verdict, loud where a claim is not reproduced.
+pub(super) fn verdict(judged: &Judged) -> &'static str {
+    match judged.verdict {
+        Verdict::NotReproduced => "**not reproduced**",
+        other => other.name(),
     }
 }
 
@@ -59,7 +67,7 @@ pub fn table(judged: &[Judged]) -> String {
 }
 
 /// The report as Markdown: one table per paper, then how each number was found.
-fn markdown(targets: &Targets, judged: &[Judged], summary: &Summary) -> String {
+pub fn markdown(targets: &Targets, judged: &[Judged], summary: &Summary) -> String {
     let cell = |text: &str| text.replace('|', "\\|");
     let mut text = format!(
         "# The papers' claims\n\nWritten by `echolot check --preset {}` from `summary.json` (revision {}) and \
@@ -75,10 +83,7 @@ fn markdown(targets: &Targets, judged: &[Judged], summary: &Summary) -> String {
         ));
         for judged in judged.iter().filter(|judged| judged.target.paper == *key) {
             let target = &judged.target;
-            let verdict = match judged.verdict {
-                Verdict::NotReproduced => "**not reproduced**".to_string(),
-                other => other.name().to_string(),
-            };
+            let verdict = verdict(judged);
             let trials = judged.our_trials.or(target.trials);
             text.push_str(&format!(
                 "| `{}` | {} | {} | {} | {} | {} | {verdict} |\n",
@@ -116,54 +121,6 @@ fn markdown(targets: &Targets, judged: &[Judged], summary: &Summary) -> String {
         ));
     }
     text
-}
-
-/// Lines between which [`insert`] puts the claims.
-const MARKS: [&str; 2] = ["<!-- claims: begin -->", "<!-- claims: end -->"];
-
-/// The claims as one short Markdown table, as the project's README shows them.
-fn brief(judged: &[Judged]) -> String {
-    let mut text = format!(
-        "{}.\n\n| claim | where | paper | ours [95 % interval] | verdict |\n|---|---|---|---|---|\n",
-        count(judged)
-    );
-    for judged in judged {
-        let target = &judged.target;
-        let verdict = match judged.verdict {
-            Verdict::NotReproduced => "**not reproduced**",
-            other => other.name(),
-        };
-        let row = [
-            &target.claim,
-            &target.source,
-            &target.claimed,
-            &ours(judged),
-        ]
-        .map(|cell| cell.replace('|', "\\|"))
-        .join(" | ");
-        text.push_str(&format!("| {row} | {verdict} |\n"));
-    }
-    text
-}
-
-/// Replaces what stands between the marks of a Markdown file by the claims as one short table.
-///
-/// # Errors
-/// When the file cannot be read or written, or lacks the marks.
-pub fn insert(file: &Path, judged: &[Judged]) -> Result<()> {
-    let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
-    let [begin, end] = MARKS;
-    let parts = text
-        .split_once(begin)
-        .and_then(|(before, rest)| Some((before, rest.split_once(end)?.1)));
-    let Some((before, after)) = parts else {
-        bail!(
-            "{}: has no lines {begin} and {end}; add them where the claims should stand",
-            file.display()
-        );
-    };
-    let text = format!("{before}{begin}\n{}{end}{after}", brief(judged));
-    atomic::write(file, text.as_bytes())
 }
 
 /// Writes `report.md` beside the summary.
@@ -204,19 +161,6 @@ mod tests {
         );
         let wide = text.lines().filter(|line| line.starts_with('|'));
         assert!(wide.clone().count() > 2 * targets.targets.len());
-        let readme = folder.path().join("README.md");
-        std::fs::write(&readme, format!("a\n{}\nold\n{}\nb\n", MARKS[0], MARKS[1])).unwrap();
-        insert(&readme, &judged).unwrap();
-        let first = std::fs::read_to_string(&readme).unwrap();
-        insert(&readme, &judged).unwrap();
-        assert_eq!(first, std::fs::read_to_string(&readme).unwrap());
-        assert!(
-            first.starts_with("a\n<!--")
-                && first.ends_with("-->\nb\n")
-                && !first.contains("\nold\n")
-        );
-        std::fs::write(&readme, "nothing").unwrap();
-        assert!(insert(&readme, &judged).is_err());
         assert!(table(&judged).contains("cannot be tested"));
         assert!(count(&judged).contains("not run"));
     }

@@ -21,6 +21,10 @@ const FILE: &str = include_str!("../../targets.json");
 pub struct Targets {
     /// Citation of each paper by its key.
     pub papers: BTreeMap<String, String>,
+    /// Ids of the claims that README shows.
+    pub shown: Vec<String>,
+    /// What has to be known to read the numbers, one sentence or two each.
+    pub caveats: Vec<String>,
     /// The claims.
     pub targets: Vec<Target>,
 }
@@ -265,6 +269,9 @@ mod tests {
             if let Measure::Path { .. } = target.measure {
                 assert!(target.value.is_some(), "{}", target.id);
             }
+        }
+        for id in &file.shown {
+            assert!(file.targets.iter().any(|target| target.id == *id), "{id}");
         }
         for paper in file.papers.keys() {
             assert!(file.targets.iter().any(|target| target.paper == *paper));

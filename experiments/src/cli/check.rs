@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use super::output::{print, print_json};
 use crate::check::gate::{self, Baseline};
 use crate::check::targets::{Targets, Verdict};
-use crate::check::{CheckFailed, report};
+use crate::check::{CheckFailed, readme, report};
 use crate::preset::Preset;
 use crate::summary::Summary;
 
@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     /// Baseline of the regression gate; `experiments/baselines/<preset>.json` unless given.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
-    /// Markdown file in which the claims are put between their marks (paper).
+    /// Markdown file in which the claims and the commands' times are put between their marks (paper).
     #[arg(long, value_name = "FILE")]
     into: Option<PathBuf>,
     /// Make the present summary the baseline.
@@ -61,7 +61,13 @@ impl Arguments {
             let folder = self.results.join(self.preset.name());
             report::write(&folder, &targets, &judged, &summary)?;
             if let Some(file) = &self.into {
-                report::insert(file, &judged)?;
+                let quick = self.results.join("quick/summary.json");
+                let quick = quick.exists().then(|| Summary::read(&quick)).transpose()?;
+                let blocks = [
+                    readme::claims(&targets, &judged),
+                    readme::commands(quick.as_ref(), &summary),
+                ];
+                readme::insert(file, &blocks)?;
             }
             if json {
                 print_json(&judged)?;

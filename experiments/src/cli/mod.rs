@@ -7,6 +7,7 @@ mod list;
 mod localize;
 mod map;
 mod output;
+mod reference;
 mod run;
 mod scene;
 mod simulate;
@@ -17,6 +18,8 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail};
 use clap::{Parser, Subcommand};
 use localizer::Parameters;
+
+pub use reference::page as reference;
 
 use crate::simulate::{Engine, IMAGE_ORDER};
 
@@ -59,6 +62,8 @@ enum Command {
     Validate(validate::Arguments),
     /// List the studies.
     List(list::Arguments),
+    /// Write the help of all commands as one page of the documents.
+    Reference(reference::Arguments),
 }
 
 impl Cli {
@@ -80,6 +85,7 @@ impl Cli {
             Command::Bench(arguments) => arguments.run(json),
             Command::Validate(arguments) => arguments.run(json),
             Command::List(arguments) => arguments.run(json),
+            Command::Reference(arguments) => arguments.run(),
         }
     }
 }

@@ -108,7 +108,7 @@ pub const STUDIES: &[Study] = &[
     },
     Study {
         name: "schemes",
-        about: "position error when the field is computed with the papers' standard leapfrog scheme",
+        about: "position error when the field is computed with the standard leapfrog scheme",
         figures: "-",
         presets: PAPER,
         takes: schemes::takes,

@@ -1,4 +1,4 @@
-//! Position error when the field is computed with the standard leapfrog scheme, the papers' own.
+//! Position error when the field is computed with the standard leapfrog scheme.
 
 use anyhow::Result;
 use fdtd::scheme::Scheme;

@@ -83,7 +83,7 @@ fn nearness(measurement: &Measurement) -> f64 {
     }
 }
 
-/// One line per law: how much was measured, and what came nearest to its limit. README quotes it.
+/// One line per law: how much was measured, and what came nearest to its limit: `laws.md`.
 pub fn laws(rows: &[Row]) -> String {
     let mut text = String::from(
         "| law | within tolerance | nearest to its limit | tolerance | measured | verdict |\n|---|---|---|---|---|---|\n",

@@ -6,8 +6,17 @@ use crate::room::{ROOM, SIMULATE, echolot, expect, refuse, scene_file};
 fn every_command_has_help_with_an_example() {
     let folder = tempfile::tempdir().unwrap();
     for command in [
-        "scene", "simulate", "map", "localize", "run", "figures", "check", "list", "bench",
+        "scene",
+        "simulate",
+        "map",
+        "localize",
+        "run",
+        "figures",
+        "check",
+        "list",
+        "bench",
         "validate",
+        "reference",
     ] {
         let help = expect(folder.path(), &[command, "--help"]);
         assert!(help.contains("Example:\n  echolot"), "{command}: {help}");

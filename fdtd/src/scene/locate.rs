@@ -18,7 +18,7 @@ pub(super) fn describe(text: &str, error: &serde_json::Error, origin: &Path) -> 
     let place = format!(" at line {line} column {column}");
     let problem = single_line(message.strip_suffix(&place).unwrap_or(&message));
     let remedy = if error.is_data() {
-        "see scenes/README.md for the fields of a scene"
+        "see docs/reference/scene.md for the fields of a scene"
     } else {
         "write valid JSON"
     };

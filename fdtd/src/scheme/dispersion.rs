@@ -49,7 +49,7 @@ impl Polynomial {
 mod tests {
     use crate::scheme::Scheme;
 
-    /// The figures quoted in ARCHITECTURE.md: errors in per cent at 10 kHz on the papers' grid, axis and diagonal.
+    /// The figures quoted in docs/theory/schemes.md: errors in per cent at 10 kHz on the papers' grid, axis and diagonal.
     #[test]
     fn errors_at_the_carrier_on_the_papers_grid() {
         let courant = 340.0 / 120_000.0 / 0.005;

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
-    /// Standard leapfrog, 5 points, second order: the papers' scheme.
+    /// Standard leapfrog, 5 points, second order.
     Slf,
     /// 13-point modified equation, fourth order in space and time.
     M13,

@@ -1,0 +1,193 @@
+//! What the project's README shows of the results: its tables are written between marks, never by hand.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+
+use super::report::{count, ours, verdict};
+use super::targets::{Judged, Targets};
+use crate::atomic;
+use crate::progress::duration;
+use crate::provenance::Provenance;
+use crate::summary::Summary;
+
+/// A generated part of a Markdown file: its name, and the text that stands between its marks.
+pub struct Block {
+    name: &'static str,
+    text: String,
+}
+
+impl Block {
+    /// The lines before and after the block.
+    fn marks(&self) -> [String; 2] {
+        ["begin", "end"].map(|side| format!("<!-- {}: {side} -->", self.name))
+    }
+}
+
+/// The claims that README shows, and what has to be known to read them.
+pub fn claims(targets: &Targets, judged: &[Judged]) -> Block {
+    let mut text = String::from(
+        "| claim | where | paper | ours [95 % interval] | verdict |\n|---|---|---|---|---|\n",
+    );
+    for id in &targets.shown {
+        for judged in judged.iter().filter(|judged| judged.target.id == *id) {
+            let target = &judged.target;
+            let row = [
+                &target.claim,
+                &target.source,
+                &target.claimed,
+                &ours(judged),
+            ]
+            .map(|cell| cell.replace('|', "\\|"))
+            .join(" | ");
+            text.push_str(&format!("| {row} | {} |\n", verdict(judged)));
+        }
+    }
+    text.push_str(&format!("\nAll claims: {}.\n\n", count(judged)));
+    for caveat in &targets.caveats {
+        text.push_str(&format!("* {}\n", wrapped(caveat, "  ")));
+    }
+    Block {
+        name: "claims",
+        text,
+    }
+}
+
+/// The commands of a first visit, with the time that the committed results took.
+pub fn commands(quick: Option<&Summary>, paper: &Summary) -> Block {
+    let time = |summary: Option<&Summary>| {
+        summary.map_or_else(String::new, |summary| taken(&summary.provenance))
+    };
+    let mut text = String::from("| command | time | what comes out |\n|---|---|---|\n");
+    for (command, time, what) in [
+        (
+            "make sim-quick",
+            time(quick),
+            "the whole chain in a small scene; a line per stage, then tables and figures in `results/quick`",
+        ),
+        (
+            "make sim-experiments",
+            time(Some(paper)),
+            "the papers' studies in their size in `results/paper`; goes on where it was interrupted",
+        ),
+        (
+            "make validate",
+            "minutes".to_string(),
+            "the field against laws of physics: tolerances, measurements and verdicts in `results/validation`",
+        ),
+        (
+            "make claims",
+            "a moment".to_string(),
+            "a verdict on every claim in `results/paper/report.md`, and the tables of this page; exits with 1 while a claim is not reproduced",
+        ),
+        ("make test", "minutes".to_string(), "all tests"),
+    ] {
+        text.push_str(&format!("| `{command}` | {time} | {what} |\n"));
+    }
+    Block {
+        name: "commands",
+        text,
+    }
+}
+
+/// How long a run's stages took, and on what.
+fn taken(provenance: &Provenance) -> String {
+    format!(
+        "{} ({}, {} threads)",
+        duration(provenance.seconds.values().sum()),
+        provenance.cpu,
+        provenance.threads
+    )
+}
+
+/// A text in lines of at most 116 characters, the later ones behind `indent`.
+fn wrapped(text: &str, indent: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let line = lines.last().map_or(0, |line| line.chars().count());
+        if line > 0 && line + 1 + word.chars().count() > 116 {
+            lines.push(String::new());
+        }
+        if let Some(line) = lines.last_mut() {
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
+    }
+    lines.join(&format!("\n{indent}"))
+}
+
+/// Replaces what stands between the marks of each block in a Markdown text; `origin` is the file it came from.
+///
+/// # Errors
+/// When the text lacks the marks of the first block. Other blocks may be left out.
+pub fn fill(text: &str, origin: &Path, blocks: &[Block]) -> Result<String> {
+    let mut text = text.to_string();
+    for (index, block) in blocks.iter().enumerate() {
+        let [begin, end] = block.marks();
+        let parts = text
+            .split_once(&begin)
+            .and_then(|(before, rest)| Some((before, rest.split_once(&end)?.1)));
+        match parts {
+            Some((before, after)) => {
+                text = format!("{before}{begin}\n{}{end}{after}", block.text);
+            }
+            None if index == 0 => bail!(
+                "{}: has no lines {begin} and {end}; add them where the {} should stand",
+                origin.display(),
+                block.name
+            ),
+            None => {}
+        }
+    }
+    Ok(text)
+}
+
+/// Writes blocks between their marks in a Markdown file.
+///
+/// # Errors
+/// As [`fill`], and when the file cannot be read or written.
+pub fn insert(file: &Path, blocks: &[Block]) -> Result<()> {
+    let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
+    atomic::write(file, fill(&text, file, blocks)?.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preset::Preset;
+
+    #[test]
+    fn blocks_replace_what_stands_between_their_marks() {
+        let targets = Targets::load().unwrap();
+        let summary = Summary::new(Preset::Paper);
+        let judged = targets.judge(&summary).unwrap();
+        let blocks = || [claims(&targets, &judged), commands(None, &summary)];
+        let folder = tempfile::tempdir().unwrap();
+        let readme = folder.path().join("README.md");
+        let old = "a\n<!-- claims: begin -->\nold\n<!-- claims: end -->\nb\n";
+        std::fs::write(&readme, old).unwrap();
+        insert(&readme, &blocks()).unwrap();
+        let first = std::fs::read_to_string(&readme).unwrap();
+        insert(&readme, &blocks()).unwrap();
+        assert_eq!(first, std::fs::read_to_string(&readme).unwrap());
+        assert!(
+            first.starts_with("a\n<!--")
+                && first.ends_with("-->\nb\n")
+                && !first.contains("\nold\n")
+        );
+        let rows = first.lines().filter(|line| line.starts_with('|')).count();
+        assert_eq!(rows, 2 + targets.shown.len());
+        std::fs::write(&readme, "nothing").unwrap();
+        assert!(insert(&readme, &blocks()).is_err());
+    }
+
+    #[test]
+    fn long_texts_are_wrapped() {
+        let text = "word ".repeat(60);
+        let lines = wrapped(&text, "  ");
+        assert!(lines.lines().all(|line| line.chars().count() <= 118));
+        assert_eq!(lines.split_whitespace().count(), 60);
+    }
+}

@@ -1,0 +1,204 @@
+//! The documents: links resolve, generated parts are current, SUMMARY.md lists every page, lines are short.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use experiments::check::targets::Targets;
+use experiments::check::{readme, report};
+use experiments::summary::Summary;
+
+/// Lines of prose have at most this many characters.
+const WIDTH: usize = 120;
+
+/// The workspace's folder.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("..")
+        .canonicalize()
+        .unwrap()
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Adds the Markdown files below a folder, without what is built, cached or hidden.
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().to_string();
+        if path.is_dir() {
+            // Folders of the workspace that no commit holds, or that are other people's.
+            if !name.starts_with('.')
+                && !["target", "cache", "book", "venv", "shared"].contains(&name.as_str())
+            {
+                collect(&path, files);
+            }
+        } else if name.ends_with(".md") {
+            files.push(path);
+        }
+    }
+}
+
+/// All Markdown files of the workspace.
+fn documents() -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    collect(&root(), &mut files);
+    files.sort();
+    files
+}
+
+/// The lines of a text that stand outside of fenced blocks, with their numbers from 1.
+fn prose(text: &str) -> Vec<(usize, &str)> {
+    let mut fenced = false;
+    text.lines()
+        .enumerate()
+        .filter_map(|(index, line)| {
+            if line.trim_start().starts_with("```") {
+                fenced = !fenced;
+                return None;
+            }
+            (!fenced).then_some((index + 1, line))
+        })
+        .collect()
+}
+
+/// A line without what stands between backticks.
+fn without_code(line: &str) -> String {
+    line.split('`').step_by(2).collect::<Vec<_>>().join("``")
+}
+
+/// Where the links of a line lead.
+fn links(line: &str) -> Vec<String> {
+    let line = without_code(line);
+    line.match_indices("](")
+        .filter_map(|(at, _)| {
+            let rest = &line[at + 2..];
+            Some(rest[..rest.find(')')?].to_string())
+        })
+        .collect()
+}
+
+/// The anchors of a text's headings, as GitHub makes them.
+fn anchors(text: &str) -> BTreeSet<String> {
+    prose(text)
+        .into_iter()
+        .filter(|(_, line)| line.starts_with('#'))
+        .map(|(_, line)| {
+            line.trim_start_matches('#')
+                .trim()
+                .to_lowercase()
+                .chars()
+                .filter_map(|c| match c {
+                    ' ' => Some('-'),
+                    c if c.is_alphanumeric() || c == '-' || c == '_' => Some(c),
+                    _ => None,
+                })
+                .collect()
+        })
+        .collect()
+}
+
+#[test]
+fn relative_links_resolve() {
+    let mut broken = Vec::new();
+    for file in documents() {
+        let text = read(&file);
+        for (number, line) in prose(&text) {
+            for link in links(line) {
+                if link.contains("://") || link.starts_with("mailto:") {
+                    continue;
+                }
+                let (path, anchor) = link.split_once('#').unwrap_or((&link, ""));
+                let target = match path {
+                    "" => file.clone(),
+                    path => file.parent().unwrap().join(path),
+                };
+                let found = target.exists()
+                    && (anchor.is_empty()
+                        || (target.is_file() && anchors(&read(&target)).contains(anchor)));
+                if !found {
+                    broken.push(format!("{}:{number}: {link}", file.display()));
+                }
+            }
+        }
+    }
+    assert!(broken.is_empty(), "broken links:\n{}", broken.join("\n"));
+}
+
+#[test]
+fn summary_lists_every_page() {
+    let folder = root().join("docs");
+    let summary = read(&folder.join("SUMMARY.md"));
+    let listed: BTreeSet<PathBuf> = summary
+        .lines()
+        .flat_map(links)
+        .map(|link| folder.join(link))
+        .collect();
+    let mut pages = Vec::new();
+    collect(&folder, &mut pages);
+    for page in pages {
+        assert!(
+            page.ends_with("SUMMARY.md") || listed.contains(&page),
+            "docs/SUMMARY.md does not list {}",
+            page.display()
+        );
+    }
+}
+
+#[test]
+fn lines_are_short() {
+    let mut long = Vec::new();
+    for file in documents() {
+        let generated = file.starts_with(root().join("results"));
+        if generated && !file.ends_with("results/README.md") {
+            continue;
+        }
+        for (number, line) in prose(&read(&file)) {
+            let is_table = line.trim_start().starts_with('|');
+            let is_picture = line.starts_with("![");
+            if line.chars().count() > WIDTH && !is_table && !is_picture {
+                long.push(format!("{}:{number}", file.display()));
+            }
+        }
+    }
+    assert!(
+        long.is_empty(),
+        "lines of more than {WIDTH} characters:\n{}",
+        long.join("\n")
+    );
+    for name in ["README.md", "ARCHITECTURE.md"] {
+        assert!(read(&root().join(name)).lines().count() <= 150, "{name}");
+    }
+}
+
+#[test]
+fn claims_are_current() {
+    let results = root().join("results");
+    let summary = |preset: &str| Summary::read(&results.join(preset).join("summary.json")).unwrap();
+    let (paper, quick) = (summary("paper"), summary("quick"));
+    let targets = Targets::load().unwrap();
+    let judged = targets.judge(&paper).unwrap();
+    let file = root().join("README.md");
+    let text = read(&file);
+    let blocks = [
+        readme::claims(&targets, &judged),
+        readme::commands(Some(&quick), &paper),
+    ];
+    assert!(
+        readme::fill(&text, &file, &blocks).unwrap() == text,
+        "README.md is not what results/paper/summary.json says: make claims"
+    );
+    assert!(
+        read(&results.join("paper/report.md")) == report::markdown(&targets, &judged, &paper),
+        "results/paper/report.md is not what results/paper/summary.json says: make claims"
+    );
+}
+
+#[test]
+fn the_command_line_is_current() {
+    assert!(
+        read(&root().join("docs/reference/command-line.md")) == experiments::cli::reference(),
+        "docs/reference/command-line.md is not what the program says: make reference"
+    );
+}

@@ -91,6 +91,8 @@ impl Room {
         let slanted = [[3.0 + shift, 3.0], [6.0 + 3.0 * shift, 13.0]].map(place);
         match self {
             Self::Open => Vec::new(),
+            // From layer to layer, or free.
+            Self::Wall if turn % 3 == 0 => vec![wall(&[[5.0, 0.0], [5.0, ROOM as f64]].map(place))],
             Self::Wall => vec![wall(&[[5.0, 3.0], [5.0, 13.0]].map(place))],
             Self::Corner => vec![wall(&[[4.0, 13.0], [4.0, 4.0], [13.0, 4.0]].map(place))],
             Self::CutCells => vec![wall(&slanted)],
@@ -118,8 +120,14 @@ impl Room {
     }
 }
 
-/// Growth per step, as spectral radius - 1, with a Courant number, layers of so many cells and what stands in the room.
-pub fn growth(scheme: Scheme, courant: f64, layer_cells: usize, room: Room, turn: usize) -> f64 {
+/// What is simulated at a Courant number, with layers of so many cells and what stands in the room; `turn` varies the walls.
+pub fn setup(
+    scheme: Scheme,
+    courant: f64,
+    layer_cells: usize,
+    room: Room,
+    turn: usize,
+) -> FieldSetup {
     let side = 2 * layer_cells.next_multiple_of(8) + ROOM;
     let grid = Grid {
         nx: side,
@@ -144,11 +152,16 @@ pub fn growth(scheme: Scheme, courant: f64, layer_cells: usize, room: Room, turn
         _ => WallModel::Staircase,
     };
     let cells = model.cells(&grid, &walls);
-    let setup = FieldSetup::new(&grid, &medium, scheme, layer_cells, &cells);
+    FieldSetup::new(&grid, &medium, scheme, layer_cells, &cells)
+}
+
+/// Growth per step, as spectral radius - 1, of a setup at a Courant number, from noise that `turn` varies.
+pub fn growth(setup: FieldSetup, courant: f64, turn: usize) -> f64 {
+    let cells = setup.nx * setup.ny;
     let mut field = PreciseField::new(setup);
     // A constant, the mode that layers hold least, with noise of all wavelengths on it.
     let mut noise = 0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(turn as u64 + 1);
-    let start: Vec<f64> = (0..side * side)
+    let start: Vec<f64> = (0..cells)
         .map(|_| {
             noise = noise
                 .wrapping_mul(6_364_136_223_846_793_005)
@@ -199,7 +212,8 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
                 // Each case its own numbers; with many the limit is among them.
                 let part = (k as f64 + (case as f64 * 0.618_034).fract()) / (courants as f64 - 0.5);
                 let courant = (0.2 + (limit - 0.2) * part).min(limit);
-                growth(scheme, courant, layer, room, k + case)
+                let setup = setup(scheme, courant, layer, room, k + case);
+                growth(setup, courant, k + case)
             });
             let most = most.fold(f64::NEG_INFINITY, f64::max);
             let room = room.name();

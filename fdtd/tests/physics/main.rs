@@ -27,4 +27,5 @@ mod reciprocity;
 mod round_wall;
 mod scene_echoes;
 mod spectrum;
+mod stability;
 mod tilted_wall;

@@ -111,7 +111,12 @@ unsafe fn centre_column<V: Vector, S: Sweep<V>, const HIGH: bool, const COUNT: u
                 // The row below has left the new memory of the face between.
                 V::load(face.sub(2 * stride))
             } else {
-                face_memory(V::splat(first.decay[0]), open, V::load(face), lower_slope[k])
+                face_memory(
+                    V::splat(first.decay[0]),
+                    open,
+                    V::load(face),
+                    lower_slope[k],
+                )
             };
         }
         for decay in &plan.row_decay[rows] {

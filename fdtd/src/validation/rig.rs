@@ -9,7 +9,7 @@ use crate::exact::monopole::Monopole;
 use crate::field::{FastField, Field, FieldSetup, FieldState, StepForcing};
 use crate::grid::Grid;
 use crate::scene::Scene;
-use crate::scheme::Scheme;
+use crate::scheme::{Polynomial, Scheme};
 use crate::simulation::{Domain, Drive, Flow, Simulation, SimulationOptions};
 use crate::spread::Spread;
 use crate::walls::{SolidMask, Wall, WallCells, WallModel};
@@ -108,6 +108,20 @@ impl Rig {
     /// Its Courant number.
     pub fn courant(&self) -> f64 {
         self.conditions().courant()
+    }
+
+    /// The scheme as it is computed: with its coefficients rounded ([`Scheme::weights`]), which turns the phase of a wave by up to 3e-7 a step.
+    pub fn polynomial(&self) -> Polynomial {
+        let courant = self.courant();
+        let weights = self.scheme.weights(courant);
+        Polynomial {
+            courant,
+            linear: f64::from(weights.linear),
+            square: f64::from(weights.square),
+            mixed: f64::from(weights.mixed),
+            cube: f64::from(weights.cube),
+            cross: f64::from(weights.cross),
+        }
     }
 
     /// All that is simulated.

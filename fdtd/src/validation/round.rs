@@ -208,7 +208,7 @@ fn detuned_at(
 /// Radians per step of a wave of `kappa` radians per metre, in the mean over directions, with the restoring quantum.
 fn wave(rig: &Rig, kappa: f64) -> f64 {
     const DIRECTIONS: usize = 32;
-    let polynomial = rig.scheme.polynomial(rig.courant());
+    let polynomial = rig.polynomial();
     let mean = (0..DIRECTIONS)
         .map(|direction| {
             let angle = 0.25 * PI * (direction as f64 + 0.5) / DIRECTIONS as f64;

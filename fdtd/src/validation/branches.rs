@@ -4,7 +4,7 @@
 //! Formula: `(Z cos - rho c)/(Z cos + rho c)` with the complex Z of branches `R + i omega L + 1/(i omega C)` in parallel.
 //! Bias: as there: what the surface adds to a real impedance, and the scheme's own error of the group velocity. The step has tangents in place of
 //! frequencies; what the fit of the branches leaves of all that counts.
-//! Tolerance: 0.02, wherever the wall lies in the cells; slf up to 4 kHz only.
+//! Tolerance: 0.02, wherever the wall lies in the cells, up to a Courant number of 0.58; slf up to 4 kHz only.
 
 use super::conditions::Conditions;
 use super::impedance::{heard, is_held, sine};
@@ -70,7 +70,7 @@ pub const TOLERANCE: f64 = 0.02;
 /// What a case draws.
 pub fn setting(scheme: Scheme, frequency_hz: f64, place: f64) -> Setting {
     let case = format!("{scheme}, {} kHz, {place} of a cell", frequency_hz / 1e3);
-    Setting::before_surfaces(scheme, "branches", &case)
+    Setting::before_accurate_surfaces("branches", &case)
 }
 
 /// Errors of the reflection factor of [`walls`], the largest over angle; `place` is what the wall leaves of the cell before it.

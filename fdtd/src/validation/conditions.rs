@@ -118,6 +118,11 @@ impl Conditions {
         (error(self) / error(&Self::PAPERS)).max(1.0)
     }
 
+    /// Whether walls of an impedance reflect as they do on the papers' grid: [`super::impedance`] says what is at larger Courant numbers.
+    pub fn has_accurate_impedances(&self) -> bool {
+        self.courant() <= 0.58
+    }
+
     /// Whether the scheme leaves enough for walls of an impedance.
     pub fn allows_impedance(&self, scheme: Scheme) -> bool {
         scheme.polynomial(self.courant()).spare() >= LEAST_SPARE

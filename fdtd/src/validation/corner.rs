@@ -52,6 +52,7 @@ pub fn scene(setting: &Setting, scheme: Scheme) -> Result<Scene, Error> {
     let points_m = [[1.31, -0.2], [1.31, 1.41], [-0.2, 1.41]];
     let points_m = points_m.map(|point| turn.point(size_m, conditions.point(point)));
     let [nx, ny] = turn.size(size);
+    let papers = WaveformSpec::default();
     Ok(Scene {
         name: "a right-angled corner".into(),
         description: String::new(),
@@ -72,7 +73,12 @@ pub fn scene(setting: &Setting, scheme: Scheme) -> Result<Scene, Error> {
             impedance: None,
         }],
         wall_model: WallModel::default(),
-        waveform: WaveformSpec::default(),
+        waveform: WaveformSpec {
+            chip_rate_hz: conditions.hz(papers.chip_rate_hz),
+            carrier_hz: conditions.hz(papers.carrier_hz),
+            band_hz: papers.band_hz.map(|hz| conditions.hz(hz)),
+            ..papers
+        },
         sample_rate_hz: conditions.hz(RATE_HZ),
         robot: Robot {
             loudspeaker_offset_m: offset_m([0.05, 0.01]),

@@ -115,6 +115,13 @@ impl Setting {
         Self::among(&allowed, law, case)
     }
 
+    /// What a case draws that takes walls of an impedance for accurate.
+    pub fn before_accurate_surfaces(law: &str, case: &str) -> Self {
+        let mut accurate = CONDITIONS.to_vec();
+        accurate.retain(Conditions::has_accurate_impedances);
+        Self::among(&accurate, law, case)
+    }
+
     fn among(conditions: &[Conditions], law: &str, case: &str) -> Self {
         let mut draw = Draw::new(law, case);
         Self {

@@ -91,7 +91,7 @@ pub struct Errors {
 /// What a case draws; the tangent is that of the angle of incidence.
 pub fn setting(scheme: Scheme, tilt_deg: f64, tangent: f64) -> Setting {
     let case = format!("{scheme}, {tilt_deg} degrees, {tangent}");
-    Setting::before_surfaces(scheme, "tilted impedance", &case)
+    Setting::before_accurate_surfaces("tilted impedance", &case)
 }
 
 /// Errors of the reflection factor of a wall that is tilted by `tilt_deg`, at an angle of incidence whose tangent is given, over some of [`PLACES`].

@@ -12,7 +12,7 @@
 use crate::rig::{Setting, crossed_room, largest_sum};
 use fdtd::field::Field;
 use fdtd::scheme::Scheme;
-use fdtd::validation::impedance::{CASES, PLACES, is_held, largest, setting};
+use fdtd::validation::impedance::{CASES, PLACES, is_held, largest, setting, tolerance};
 use fdtd::validation::room::slanted_room;
 use fdtd::validation::tilted_impedance::{self, RATIOS, SCHEMES, SLANTS, SLOPES, TOLERANCE};
 use fdtd::walls::{Impedance, WallModel};
@@ -44,7 +44,7 @@ fn the_reflection_factor_is_that_of_the_impedance() {
                     frequency_hz / 1e3
                 );
                 assert!(
-                    error < 0.02,
+                    error < tolerance(scheme, &setting.conditions),
                     "{scheme}, {frequency_hz}, {place}, {setting}: {error}"
                 );
             }

@@ -1,6 +1,6 @@
 //! A field rate of 100 kHz on the papers' cells of 5 mm: `c dt/dx` = 0.67 to 0.69 from cold to warm air, near the limit of all schemes.
 //!
-//! Layout: 161 x 157 cells with a layer of 20, in the middle a slanted box in cut cells whose gaps let sound out; noise of 1 Pa in the middle, then silence.
+//! Layout: 161 x 157 cells with a layer of 20, in the middle a slanted box in cut cells whose gaps let sound out; noise of 1 Pa and no mean in the middle, then silence.
 //! Formula: nothing brings energy in, so that the sum of squares falls; the step's bound ([`fdtd::scheme::Polynomial::bound`]) knows nothing of layers.
 //! Bias: what lies far below the band is absorbed slowly.
 //! Tolerance: after 8000 steps less than a hundredth of the sum of squares after 200 is left, after 16 000 less than after 8000. What makes energy
@@ -41,7 +41,7 @@ fn a_hundred_kilohertz_on_five_millimetres_are_stable_with_layers_and_walls() {
         let setup = FieldSetup::new(&grid, &medium, scheme, 20, &cells);
         let mut field = FastField::new(setup, 1);
         let blank = field.state();
-        let pressure: Vec<f32> = cells
+        let mut pressure: Vec<f32> = cells
             .areas()
             .into_iter()
             .enumerate()
@@ -54,6 +54,12 @@ fn a_hundred_kilohertz_on_five_millimetres_are_stable_with_layers_and_walls() {
                 }
             })
             .collect();
+        // Its mean would leave through the gaps as slowly as air does.
+        let noisy = pressure.iter().filter(|&&p| p != 0.0).count();
+        let mean = pressure.iter().sum::<f32>() / noisy as f32;
+        for p in pressure.iter_mut().filter(|p| **p != 0.0) {
+            *p -= mean;
+        }
         field.set_state(&FieldState {
             previous: pressure.clone(),
             pressure,

@@ -2,25 +2,12 @@
 
 use fdtd::field::fast::{InstructionSet, Machine};
 use fdtd::field::{FastField, Field, FieldSetup, Injection, ReferenceField, StepForcing};
-use fdtd::grid::{Grid, Medium};
+use fdtd::grid::Grid;
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
+use fdtd::validation::conditions::{CONDITIONS, Conditions};
 use fdtd::walls::{Branch, Impedance, SolidMask, Wall, WallModel};
 use proptest::prelude::*;
-
-const AIR: Medium = Medium {
-    c_mps: 340.0,
-    rho_kgpm3: 1.293,
-};
-
-fn grid(nx: usize, ny: usize) -> Grid {
-    Grid {
-        nx,
-        ny,
-        dx_m: 0.005,
-        dt_s: 1.0 / 120_000.0,
-    }
-}
 
 /// Scattered solid rectangles, anywhere.
 fn mask(grid: &Grid, rectangles: &[[usize; 4]]) -> SolidMask {
@@ -40,10 +27,12 @@ fn mask(grid: &Grid, rectangles: &[[usize; 4]]) -> SolidMask {
 }
 
 /// Walls across the grid, anywhere.
-fn slanted(lines: &[[f64; 4]]) -> Vec<Wall> {
+fn slanted(conditions: &Conditions, lines: &[[f64; 4]]) -> Vec<Wall> {
     let wall = |&[x0, y0, x1, y1]: &[f64; 4]| Wall {
-        points_m: vec![[x0, y0], [x1, y1], [y1, x0]],
-        thickness_m: 0.012,
+        points_m: [[x0, y0], [x1, y1], [y1, x0]]
+            .map(|point| conditions.point(point))
+            .to_vec(),
+        thickness_m: conditions.m(0.012),
         impedance: match x0 {
             0.0..0.3 => Some(Impedance::Real(2000.0 * y0 + 1.0)),
             0.3..0.6 => Some(Impedance::Branches(branches(y0, y1))),
@@ -132,15 +121,17 @@ proptest! {
         rectangles in prop::collection::vec(prop::array::uniform4(0usize..180), 0..4),
         lines in prop::collection::vec(prop::array::uniform4(0.0..0.9_f64), 0..3),
         model in prop::sample::select(&WallModel::ALL[..]),
+        conditions in prop::sample::select(&CONDITIONS[..]),
     ) {
-        let grid = grid(nx, ny);
+        let Conditions { medium, dx_m, dt_s } = conditions;
+        let grid = Grid { nx, ny, dx_m, dt_s };
         let rectangles: Vec<_> = rectangles.iter().map(|&[x, y, w, h]| [x, y, 2 + w / 8, 2 + h / 3]).collect();
         let walls = if lines.is_empty() {
             mask(&grid, &rectangles).into()
         } else {
-            model.cells(&grid, &slanted(&lines))
+            model.cells(&grid, &slanted(&conditions, &lines))
         };
-        let setup = FieldSetup::new(&grid, &AIR, scheme, layer, &walls);
+        let setup = FieldSetup::new(&grid, &medium, scheme, layer, &walls);
         let machine = Machine { instructions, first_level_bytes };
         compare(&setup, &forcing(&grid, spread, steps), threads, machine);
     }

@@ -7,24 +7,29 @@
 //! roundings later. Tolerance: -110 dB over the first 1200 steps.
 
 use fdtd::field::{FastField, Field, FieldSetup, Injection, StepForcing, is_quiet};
-use fdtd::grid::{Grid, Medium};
+use fdtd::grid::Grid;
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
+use fdtd::validation::conditions::Conditions;
+use fdtd::validation::setting::Setting;
 use fdtd::walls::SolidMask;
+use std::f64::consts::TAU;
 
-const SIDE: usize = 240;
+const SIDE: usize = 243;
+
+/// What a scheme's runs draw.
+fn conditions(scheme: Scheme) -> Conditions {
+    Setting::drawn("subnormal", scheme.name()).conditions
+}
 
 /// A domain with layers and a wall that leaves a way around it.
 fn field(scheme: Scheme) -> FastField {
+    let Conditions { medium, dx_m, dt_s } = conditions(scheme);
     let grid = Grid {
         nx: SIDE,
         ny: SIDE,
-        dx_m: 0.005,
-        dt_s: 1.0 / 120_000.0,
-    };
-    let medium = Medium {
-        c_mps: 340.0,
-        rho_kgpm3: 1.293,
+        dx_m,
+        dt_s,
     };
     let mut cells = vec![false; SIDE * SIDE];
     for k in 0..SIDE / 2 {
@@ -40,14 +45,16 @@ fn field(scheme: Scheme) -> FastField {
     FastField::new(FieldSetup::new(&grid, &medium, scheme, 20, &mask.into()), 1)
 }
 
-/// Steps `from..to` of a tone of 1 kHz, with or without quiet steps.
+/// Steps `from..to` of a tone of 1 kHz on the papers' grid, with or without quiet steps.
 fn tone(scheme: Scheme, quiet: bool, from: usize, to: usize) -> Vec<StepForcing> {
     let stencil = Spread::Kaiser8.stencil([0.5 * SIDE as f64 + 0.3, 0.6 * SIDE as f64]);
+    let conditions = conditions(scheme);
+    let omega_dt = TAU * conditions.hz(1e3) * conditions.dt_s;
     (from..to)
         .map(|n| {
             let injection = Injection {
                 stencil,
-                amplitude: (std::f32::consts::TAU * 1e3 * n as f32 / 120_000.0).sin(),
+                amplitude: (omega_dt * n as f64).sin() as f32,
             };
             StepForcing {
                 quiet: quiet && is_quiet(scheme, n as u64),

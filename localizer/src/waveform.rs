@@ -143,13 +143,19 @@ mod tests {
 
     #[test]
     fn a_period_is_chips_times_carrier() {
-        let parameters = Parameters::default();
-        let period = transmit_period(&parameters);
-        assert_eq!(period.len(), 4092);
-        for (chip, samples) in m_sequence(10).iter().zip(period.chunks(4)) {
-            let chip = f64::from(*chip);
-            for (sample, carrier) in samples.iter().zip([0.0, 1.0, 0.0, -1.0]) {
-                assert!((sample - chip * carrier).abs() < 1e-12);
+        for order in [6, 9, 10, 11] {
+            let code = m_sequence(order);
+            let parameters = Parameters {
+                code_length: code.len(),
+                ..Parameters::default()
+            };
+            let period = transmit_period(&parameters);
+            assert_eq!(period.len(), 4 * code.len());
+            for (chip, samples) in code.iter().zip(period.chunks(4)) {
+                let chip = f64::from(*chip);
+                for (sample, carrier) in samples.iter().zip([0.0, 1.0, 0.0, -1.0]) {
+                    assert!((sample - chip * carrier).abs() < 1e-12);
+                }
             }
         }
     }

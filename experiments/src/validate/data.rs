@@ -5,7 +5,8 @@ use std::path::Path;
 
 use anyhow::Result;
 use fdtd::scheme::Scheme;
-use fdtd::validation::rig::{AIR, DT_S, DX_M};
+use fdtd::validation::conditions::Conditions;
+use fdtd::validation::setting::Setting;
 use fdtd::validation::{Depth, dispersion, scene_echoes};
 
 use crate::table::{Table, cell};
@@ -25,12 +26,14 @@ const COLUMNS: [&str; 5] = [
 /// Curves of the dispersion relation on the papers' grid.
 pub(super) fn curves() -> Table {
     let mut table = Table::new(COLUMNS);
+    let papers = Conditions::PAPERS;
     for scheme in Scheme::ALL {
-        let grid = scheme.polynomial(AIR.c_mps * DT_S / DX_M);
+        let grid = scheme.polynomial(papers.courant());
         for angle_deg in ANGLES_DEG {
             for step in 1..=76 {
                 let frequency_hz = 250.0 * f64::from(step);
-                let (omega_dt, angle_rad) = (TAU * frequency_hz * DT_S, angle_deg.to_radians());
+                let (omega_dt, angle_rad) =
+                    (TAU * frequency_hz * papers.dt_s, angle_deg.to_radians());
                 let velocities = grid
                     .phase_velocity(omega_dt, angle_rad)
                     .zip(grid.group_velocity(omega_dt, angle_rad));
@@ -49,10 +52,10 @@ pub(super) fn curves() -> Table {
     table
 }
 
-/// Phase and group velocities measured on the field.
-pub(super) fn measured(depth: Depth) -> Result<Table> {
+/// Phase and group velocities measured on the field, on the papers' grid as the curves.
+pub(super) fn measured() -> Result<Table> {
     let mut table = Table::new(COLUMNS);
-    for velocity in dispersion::all(depth)? {
+    for velocity in dispersion::all(|_, _| Setting::PAPERS)? {
         table.push([
             velocity.scheme.to_string(),
             cell(velocity.angle_rad.to_degrees(), 1),
@@ -69,8 +72,10 @@ pub(super) fn scene_echoes(depth: Depth, data: &Path) -> Result<()> {
     let places = scene_echoes::places(depth)?;
     let mut signal = Table::new(["t_ms", "field_pa", "images_pa"]);
     if let Some(place) = places.iter().find(|place| place.whole) {
-        // At 60 kHz, from the burst's peak on.
-        let since_s = |n: usize| n as f64 * DT_S - scene_echoes::burst().centre_s;
+        // At half of the field's rate, from the burst's peak on.
+        let conditions = &place.conditions;
+        let peak_s = scene_echoes::burst(conditions).centre_s;
+        let since_s = |n: usize| n as f64 * conditions.dt_s - peak_s;
         for n in (0..place.heard.len())
             .step_by(2)
             .filter(|&n| since_s(n) >= 0.0)

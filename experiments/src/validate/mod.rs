@@ -117,7 +117,7 @@ pub fn write(rows: &[Row], depth: Depth, folder: &Path) -> Result<()> {
     let folder = folder.join("data");
     data::scene_echoes(depth, &folder)?;
     data::curves().write(&folder.join("dispersion.csv"))?;
-    data::measured(depth)?.write(&folder.join("velocity.csv"))
+    data::measured()?.write(&folder.join("velocity.csv"))
 }
 
 /// Draws the figures from the data in `folder`.

@@ -81,13 +81,11 @@ impl HalfPlane {
 mod tests {
     use super::*;
     use crate::exact::monopole::burst_on_path;
+    use crate::validation::conditions::CONDITIONS;
 
     #[test]
     fn what_one_side_loses_the_other_has() {
-        let medium = Medium {
-            c_mps: 340.0,
-            rho_kgpm3: 1.293,
-        };
+        let medium = CONDITIONS[7].medium;
         let burst = Burst::from_zero(3e3, 600.0);
         let half_plane = HalfPlane {
             medium,
@@ -111,10 +109,7 @@ mod tests {
     #[test]
     fn on_the_half_plane_the_pressure_is_doubled_and_behind_it_less() {
         let half_plane = HalfPlane {
-            medium: Medium {
-                c_mps: 340.0,
-                rho_kgpm3: 1.293,
-            },
+            medium: CONDITIONS[3].medium,
             burst: Burst::from_zero(3e3, 600.0),
             source_m: [2.0, 0.1],
         };

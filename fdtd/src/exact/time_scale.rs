@@ -32,7 +32,7 @@ mod tests {
     use crate::exact::monopole::Monopole;
     use crate::grid::Medium;
 
-    const C_MPS: f64 = 340.0;
+    const C_MPS: f64 = 350.0;
     const V_MPS: f64 = 17.0;
     const HEADING_RAD: f64 = 0.7;
 

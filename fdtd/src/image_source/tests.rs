@@ -1,11 +1,9 @@
 use super::*;
 use crate::rays::Segment;
+use crate::validation::conditions::CONDITIONS;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-const AIR: Medium = Medium {
-    c_mps: 340.0,
-    rho_kgpm3: 1.293,
-};
+const AIR: Medium = CONDITIONS[1].medium;
 const RATE_HZ: f64 = 40e3;
 
 fn wall(ends_m: [[f64; 2]; 2]) -> Segment {
@@ -63,7 +61,7 @@ fn an_echo_at_rest_has_the_level_and_phase_of_the_hankel_function() {
     let late = (phase - (FRAC_PI_4 - kr + 1.0 / (8.0 * kr))).rem_euclid(TAU);
     assert!(late.min(TAU - late) < 1e-5, "{late}");
     assert!(
-        signal[..((3.0 / 340.0 * RATE_HZ) as usize)]
+        signal[..((3.0 / AIR.c_mps * RATE_HZ) as usize)]
             .iter()
             .all(|&s| s == 0.0)
     );

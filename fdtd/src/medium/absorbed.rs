@@ -94,7 +94,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    const C_MPS: f64 = 340.0;
+    const C_MPS: f64 = 343.2;
     const RATE_HZ: f64 = 40e3;
     const MIDDLE_S: f64 = 0.4;
     /// Amplitude, path at time 0 in metres, speed of its lengthening in m/s: direct wave and echoes of a robot at 0.4 m/s.

@@ -4,17 +4,18 @@
 //! Formula: `(Z cos - rho c)/(Z cos + rho c)` with the complex Z of branches `R + i omega L + 1/(i omega C)` in parallel.
 //! Bias: as there: what the surface adds to a real impedance, and the scheme's own error of the group velocity. The step has tangents in place of
 //! frequencies; what the fit of the branches leaves of all that counts.
-//! Tolerance: 0.02, wherever the wall lies in the cells; slf up to 4 kHz only.
+//! Tolerance: 0.02, wherever the wall lies in the cells, up to a Courant number of 0.58; slf up to 4 kHz only.
 
+use super::conditions::Conditions;
 use super::impedance::{heard, is_held, sine};
-use super::rig::AIR;
-use super::{Depth, Measurement};
+use super::setting::Setting;
+use super::{Depth, Measurement, named};
 use crate::Error;
 use crate::scheme::Scheme;
 use crate::walls::{Branch, Impedance};
 use rayon::prelude::*;
 
-/// Frequency in hertz, and modes: 0, about 28 to 32 and 45 to 73 degrees.
+/// Frequency in hertz on the papers' grid, and modes: 0, about 28 to 32 and 45 to 73 degrees.
 pub const CASES: [(f64, [usize; 3]); 4] = [
     (2e3, [0, 3, 4]),
     (4e3, [0, 6, 10]),
@@ -27,10 +28,15 @@ pub const PLACES: [f64; 2] = [1.0, 0.6];
 
 /// Names and branches of the walls that are measured; numbers over those of air.
 pub fn walls() -> [(&'static str, Impedance); 6] {
-    let air = AIR.rho_kgpm3 * AIR.c_mps;
+    walls_in(&Conditions::PAPERS)
+}
+
+/// [`walls`] in other conditions.
+pub fn walls_in(conditions: &Conditions) -> [(&'static str, Impedance); 6] {
+    let air = conditions.air_pasm();
     let resistance = |ratio: f64| Branch::resistance(ratio * air);
     let resonance = |frequency_hz: f64, ratio: f64, reactance: f64| {
-        Branch::resonance(frequency_hz, ratio * air, reactance * air)
+        Branch::resonance(conditions.hz(frequency_hz), ratio * air, reactance * air)
     };
     let five = resonance(5e3, 0.3, 1.0);
     let inertance = Branch {
@@ -61,15 +67,29 @@ pub fn walls() -> [(&'static str, Impedance); 6] {
 /// What the reflection factor may be off.
 pub const TOLERANCE: f64 = 0.02;
 
+/// What a case draws.
+pub fn setting(scheme: Scheme, frequency_hz: f64, place: f64) -> Setting {
+    let case = format!("{scheme}, {} kHz, {place} of a cell", frequency_hz / 1e3);
+    Setting::before_accurate_surfaces("branches", &case)
+}
+
 /// Errors of the reflection factor of [`walls`], the largest over angle; `place` is what the wall leaves of the cell before it.
-pub fn largest(scheme: Scheme, frequency_hz: f64, modes: &[usize], place: f64) -> [f64; 6] {
+pub fn largest(
+    setting: &Setting,
+    scheme: Scheme,
+    frequency_hz: f64,
+    modes: &[usize],
+    place: f64,
+) -> [f64; 6] {
+    let conditions = &setting.conditions;
     let mut most = [0.0_f64; 6];
     for &mode in modes {
-        let rigid = heard(scheme, frequency_hz, mode, place, None);
+        let rigid = heard(setting, scheme, frequency_hz, mode, place, None);
         let cos = (1.0 - sine(frequency_hz, mode).powi(2)).sqrt();
-        for (most, (_, impedance)) in most.iter_mut().zip(walls()) {
-            let found = heard(scheme, frequency_hz, mode, place, Some(&impedance)) / rigid;
-            let ratio = impedance.at(frequency_hz) / (AIR.rho_kgpm3 * AIR.c_mps);
+        for (most, (_, impedance)) in most.iter_mut().zip(walls_in(conditions)) {
+            let end = Some(&impedance);
+            let found = heard(setting, scheme, frequency_hz, mode, place, end) / rigid;
+            let ratio = impedance.at(conditions.hz(frequency_hz)) / conditions.air_pasm();
             *most = most.max((found - (ratio * cos - 1.0) / (ratio * cos + 1.0)).norm());
         }
     }
@@ -95,7 +115,8 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
     let found = parts
         .into_par_iter()
         .flat_map_iter(|(scheme, frequency_hz, modes, place)| {
-            let errors = largest(scheme, frequency_hz, modes, place);
+            let setting = setting(scheme, frequency_hz, place);
+            let errors = largest(&setting, scheme, frequency_hz, modes, place);
             let khz = frequency_hz / 1e3;
             walls()
                 .into_iter()
@@ -103,6 +124,7 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
                 .map(move |((name, _), error)| {
                     let case =
                         format!("{scheme}, {name}, {khz} kHz, {place} of a cell, worst over angle");
+                    let case = named(&case, &setting);
                     Measurement::below(case, "reflection factor, error", error, TOLERANCE)
                 })
         })

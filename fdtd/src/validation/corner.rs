@@ -1,14 +1,15 @@
 //! A robot drives in front of a right-angled corner: the whole chain of a recording against image sources.
 //!
-//! Layout: 1.8 m x 1.8 m, two walls through the layers that close a quarter of the plane; loudspeaker and microphone 8 cm apart on a robot that drives a
+//! Layout: 1.8 m x 1.8 m, two walls through the layers that close any quarter of the plane, the robot 0.4 to 0.9 m from them; loudspeaker and microphone 8 cm apart on a robot that drives a
 //! curve at 0.4 m/s; noise of 1.5 to 5 kHz for 0.15 s at 40 kHz. The free-field run of the same drive is subtracted.
 //! Formula: two single echoes and the corner's, [`crate::image_source`], at retarded times of the moving images.
 //! Bias: dispersion over 1 to 3 m; the two terms of the Hankel series leave 1e-3 of the nearest echo at 1.5 kHz.
 //! Tolerance: 1 % of the echoes (root mean square), 0.02 dB with m13; 5 % and 0.03 dB with d25, whose error of phase is spread over the whole band. An
 //! echo left out, or one of half the strength, would be 20 % or more.
 
-use super::rig::{AIR, DT_S, DX_M, decibels, difference, echoes, norm};
-use super::{Depth, Measurement};
+use super::rig::{decibels, difference, echoes, norm};
+use super::setting::Setting;
+use super::{Depth, Measurement, named};
 use crate::Error;
 use crate::grid::Grid;
 use crate::image_source::{DrivingPair, ImageSourceOptions, synthesize};
@@ -21,48 +22,72 @@ use crate::walls::{Wall, WallModel};
 use crate::waveform::PeriodicWaveform;
 use std::collections::BTreeMap;
 
+/// Sampling rate on the papers' grid.
 const RATE_HZ: f64 = 40e3;
+
+/// Ends of the signal's band in hertz on the papers' grid.
+const BAND_HZ: [f64; 2] = [1.5e3, 5e3];
 
 /// The corner and the drive in front of it.
 ///
 /// # Errors
 /// None: the drive is valid.
-pub fn scene(scheme: Scheme) -> Result<Scene, Error> {
+pub fn scene(setting: &Setting, scheme: Scheme) -> Result<Scene, Error> {
+    let Setting {
+        conditions, turn, ..
+    } = *setting;
+    let size = setting.more_cells.map(|more| 360 + more);
+    let size_m = size.map(|cells| cells as f64 * conditions.dx_m);
+    let [x_m, y_m] = setting.between([[0.45, 0.79], [0.6, 0.9]]);
     let start = MotionState {
-        x_m: 0.62,
-        y_m: 0.75,
+        x_m,
+        y_m,
         heading_rad: 0.4,
-        v_mps: 0.4,
-        omega_radps: 1.5,
+        v_mps: conditions.mps(0.4),
+        omega_radps: conditions.hz(1.5),
     };
+    let start = turn.pose(size_m, &start);
+    let offset_m = |offset_m: [f64; 2]| turn.offset(conditions.point(offset_m));
+    // Faces at x = 1.3 m and y = 1.4 m, on the cells' borders.
+    let points_m = [[1.31, -0.2], [1.31, 1.41], [-0.2, 1.41]];
+    let points_m = points_m.map(|point| turn.point(size_m, conditions.point(point)));
+    let [nx, ny] = turn.size(size);
+    let papers = WaveformSpec::default();
     Ok(Scene {
         name: "a right-angled corner".into(),
         description: String::new(),
-        medium: AIR,
+        medium: conditions.medium,
         air: None,
         grid: Grid {
-            nx: 360,
-            ny: 360,
-            dx_m: DX_M,
-            dt_s: DT_S,
+            nx,
+            ny,
+            dx_m: conditions.dx_m,
+            dt_s: conditions.dt_s,
         },
         layer_cells: 20,
         scheme,
         spread: Spread::Kaiser12,
-        // Faces at x = 1.3 m and y = 1.4 m, on the cells' borders.
         walls: vec![Wall {
-            points_m: vec![[1.31, -0.2], [1.31, 1.41], [-0.2, 1.41]],
-            thickness_m: 0.02,
+            points_m: points_m.to_vec(),
+            thickness_m: conditions.m(0.02),
             impedance: None,
         }],
         wall_model: WallModel::default(),
-        waveform: WaveformSpec::default(),
-        sample_rate_hz: RATE_HZ,
-        robot: Robot {
-            loudspeaker_offset_m: [0.05, 0.01],
-            microphone_offset_m: [-0.03, 0.0],
+        waveform: WaveformSpec {
+            chip_rate_hz: conditions.hz(papers.chip_rate_hz),
+            carrier_hz: conditions.hz(papers.carrier_hz),
+            band_hz: papers.band_hz.map(|hz| conditions.hz(hz)),
+            ..papers
         },
-        paths: BTreeMap::from([("drive".into(), DrivePath::uniform(start, 0.15)?)]),
+        sample_rate_hz: conditions.hz(RATE_HZ),
+        robot: Robot {
+            loudspeaker_offset_m: offset_m([0.05, 0.01]),
+            microphone_offset_m: offset_m([-0.03, 0.0]),
+        },
+        paths: BTreeMap::from([(
+            "drive".into(),
+            DrivePath::uniform(start, conditions.s(0.15))?,
+        )]),
     })
 }
 
@@ -81,8 +106,9 @@ pub struct CornerError {
 ///
 /// # Errors
 /// When the field becomes non-finite.
-pub fn corner(scheme: Scheme) -> Result<CornerError, Error> {
-    let scene = scene(scheme)?;
+pub fn corner(setting: &Setting, scheme: Scheme) -> Result<CornerError, Error> {
+    let conditions = &setting.conditions;
+    let scene = scene(setting, scheme)?;
     // Odd about time 0, where it starts: the field then begins without a jump.
     let chip = |k: u64| {
         if (k * k * 31 + k * 7) % 1009 < 504 {
@@ -94,7 +120,9 @@ pub fn corner(scheme: Scheme) -> Result<CornerError, Error> {
     let chips: Vec<f64> = (0..1001)
         .map(|k| chip(k) - chip((1001 - k) % 1001))
         .collect();
-    let waveform = PeriodicWaveform::with_band(&chips, 1001.0 / RATE_HZ, [1.5e3, 5e3], 1.0 / DT_S);
+    let (rate_hz, band_hz) = (scene.sample_rate_hz, BAND_HZ.map(|hz| conditions.hz(hz)));
+    let field_rate_hz = 1.0 / conditions.dt_s;
+    let waveform = PeriodicWaveform::with_band(&chips, 1001.0 / rate_hz, band_hz, field_rate_hz);
     let echoes = echoes(&scene, "drive", &waveform, Simulation::signal)?;
     let drive = DrivingPair {
         path: scene.path("drive")?,
@@ -106,7 +134,14 @@ pub fn corner(scheme: Scheme) -> Result<CornerError, Error> {
             max_order,
             ..ImageSourceOptions::default()
         };
-        let signal = synthesize(&scene.walls, &drive, &waveform, &AIR, RATE_HZ, &options);
+        let signal = synthesize(
+            &scene.walls,
+            &drive,
+            &waveform,
+            &conditions.medium,
+            rate_hz,
+            &options,
+        );
         signal.into_iter().map(f64::from).collect()
     };
     let expected = images(2);
@@ -137,8 +172,10 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
     };
     let mut found = Vec::new();
     for &(scheme, allowed) in cases {
-        let error = corner(scheme)?;
         let case = format!("{scheme}, drive at 0.4 m/s, 1.5 to 5 kHz");
+        let setting = Setting::drawn("corner", &case);
+        let error = corner(&setting, scheme)?;
+        let case = named(&case, &setting);
         let measured = [error.waveform, error.level_db];
         found.extend(Measurement::waveform_and_level(&case, measured, allowed));
         let quantity = "waveform without the corner's echo";

@@ -1,13 +1,13 @@
 //! A million steps in f32 between rigid walls.
 //!
-//! Layout: the closed room of the energy law, 64 x 64 cells; 120 periods of a tone in 2000 steps, then silence up to a million (8.3 s).
+//! Layout: the closed room of the energy law, 64 x 64 cells; 120 periods of a tone in a whole number of steps (2000 on the papers' grid), then silence up to a million (8.3 s).
 //! Formula: energy stays; the mean pressure is `rho c^2 / area` times the integral of q, which is zero after whole periods.
 //! Bias: rounding is a random walk. Without the restoring quantum its double sum would move the mean by more than the sound.
 //! Tolerance: 1e-3 of the energy; the mean below 1 % of the root mean square.
 
-use super::rig::DT_S;
 use super::room::{closed_rig, energy};
-use super::{Depth, Measurement};
+use super::setting::Setting;
+use super::{Depth, Measurement, named};
 use crate::Error;
 use crate::field::Field;
 use crate::scheme::Scheme;
@@ -24,17 +24,21 @@ pub const SCHEMES: [Scheme; 3] = [Scheme::Slf, Scheme::O13, Scheme::D25];
 pub const TOLERANCES: [f64; 2] = [1e-3, 0.01];
 
 /// Relative change of the energy over `steps` steps of silence, and the largest mean pressure over the root mean square of all pressures.
-pub fn drift(scheme: Scheme, steps: usize) -> [f64; 2] {
-    let rig = closed_rig(scheme, 64);
+pub fn drift(setting: &Setting, scheme: Scheme, steps: usize) -> [f64; 2] {
+    let conditions = &setting.conditions;
+    let rig = closed_rig(setting, scheme, 64);
+    let loud = conditions.steps(2000);
+    let loud_s = loud as f64 * conditions.dt_s;
     let tone = |t_s: f64| {
-        if t_s < 2000.0 * DT_S {
-            (TAU * 7.2e3 * t_s).sin()
+        if t_s < loud_s {
+            (TAU * 120.0 * t_s / loud_s).sin()
         } else {
             0.0
         }
     };
     let mut field = rig.field();
-    field.advance(&rig.sounding([0.13, 0.15], &tone, 2100), &mut Vec::new());
+    let place_m = conditions.point([0.13, 0.15]);
+    field.advance(&rig.sounding(place_m, &tone, loud + 100), &mut Vec::new());
     let silence = rig.silence(STRIDE);
     let air = rig.walls.areas().iter().sum::<f64>();
     let early = energy(&mut field, &rig);
@@ -61,8 +65,9 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
     };
     let mut found = Vec::new();
     for &scheme in schemes {
-        let [change, mean] = drift(scheme, steps);
-        let case = format!("{scheme}, {steps} steps");
+        let setting = Setting::drawn("drift", scheme.name());
+        let [change, mean] = drift(&setting, scheme, steps);
+        let case = named(&format!("{scheme}, {steps} steps"), &setting);
         let [of_energy, of_mean] = TOLERANCES;
         let quantity = "energy, relative change";
         found.push(Measurement::within(

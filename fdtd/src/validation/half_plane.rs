@@ -1,6 +1,6 @@
 //! Diffraction at the edge of a rigid half plane.
 //!
-//! Layout: 1.6 m x 1.5 m; a wall one cell thick ends in the middle and runs through the layer on the right; a burst of 2 kHz from 0.4 m at 60
+//! Layout: 1.6 m x 1.5 m; a wall one cell thick ends in the middle and runs through the layer; a burst of 2 kHz from 0.4 m at 60
 //! degrees to the wall, heard at 0.32 m from the edge at several angles: where the face reflects, in the light, at the shadow's border (240
 //! degrees) and down to 20 degrees behind the wall.
 //! Formula: Sommerfeld's half plane in time, [`crate::exact::half_plane`]. What reflects is the wall's face; behind the wall what counts
@@ -16,15 +16,15 @@
 //! Tolerance: 2.5 % and 0.15 dB on the source's side, 6.5 % and 0.55 dB behind the wall, half of that at twice the wavelength. Without
 //! diffraction the shadow would be silent.
 
-use super::rig::{AIR, DX_M, Rig, decibels, difference, norm, time_s};
-use super::{Depth, Measurement};
+use super::rig::{Rig, decibels, difference, norm};
+use super::setting::Setting;
+use super::{Depth, Measurement, named};
 use crate::Error;
-use crate::exact::burst::Burst;
 use crate::exact::half_plane::HalfPlane;
 use crate::scheme::Scheme;
 use std::f64::consts::{PI, TAU};
 
-/// Source from the edge in metres.
+/// Source from the edge in metres on the papers' grid, as all that follows.
 const SOURCE_M: [f64; 2] = [0.2, 0.346_410_161_513_775_5];
 /// Microphone from the edge in metres.
 const DISTANCE_M: f64 = 0.32;
@@ -50,19 +50,26 @@ pub fn edge_beyond_m(thickness_m: f64, wave_number: f64) -> f64 {
 ///
 /// # Errors
 /// When the field becomes non-finite.
-pub fn half_plane(scheme: Scheme, degrees: f64, times: usize) -> Result<Diffraction, Error> {
+pub fn half_plane(
+    setting: &Setting,
+    scheme: Scheme,
+    degrees: f64,
+    times: usize,
+) -> Result<Diffraction, Error> {
+    let conditions = &setting.conditions;
+    let dx_m = conditions.dx_m;
     let longer = times as f64;
-    let burst = Burst::from_zero(FREQUENCY_HZ / longer, 500.0 / longer);
+    let burst = conditions.burst(FREQUENCY_HZ / longer, 500.0 / longer);
     let strength = |t_s: f64| burst.value(t_s);
     let (sin, cos) = degrees.to_radians().sin_cos();
-    let source_m = SOURCE_M.map(|x| longer * x);
-    let place_m = [cos, sin].map(|x| longer * DISTANCE_M * x);
+    let source_m = conditions.point(SOURCE_M.map(|x| longer * x));
+    let place_m = conditions.point([cos, sin].map(|x| longer * DISTANCE_M * x));
     let edge = [150 * times, 150 * times];
-    let edge_m = [edge[0] as f64 * DX_M, (edge[1] as f64 + 0.5) * DX_M];
+    let edge_m = [edge[0] as f64 * dx_m, (edge[1] as f64 + 0.5) * dx_m];
     let from_edge = |[x, y]: [f64; 2]| [edge_m[0] + x, edge_m[1] + y];
-    let rig = Rig::open(scheme, 320 * times, 300 * times)
+    let rig = Rig::open(setting, scheme, 320 * times, 300 * times)
         .with_walls(|ix, iy| iy == edge[1] && ix >= edge[0]);
-    let steps = 920 * times;
+    let steps = conditions.steps(920 * times);
     let heard = rig.run(
         &|_| from_edge(source_m),
         &|_| from_edge(place_m),
@@ -70,22 +77,22 @@ pub fn half_plane(scheme: Scheme, degrees: f64, times: usize) -> Result<Diffract
         steps,
     )?;
     let exact = |beyond_m: f64| -> Vec<f64> {
-        let face_m = if place_m[1] > 0.0 { 0.5 * DX_M } else { 0.0 };
+        let face_m = if place_m[1] > 0.0 { 0.5 * dx_m } else { 0.0 };
         let shifted = |[x, y]: [f64; 2]| [x + beyond_m, y - face_m];
         let exact = HalfPlane {
-            medium: AIR,
+            medium: conditions.medium,
             burst,
             source_m: shifted(source_m),
         };
         (0..steps)
             .step_by(2)
-            .map(|n| exact.pressure(shifted(place_m), time_s(n)))
+            .map(|n| exact.pressure(shifted(place_m), rig.time_s(n)))
             .collect()
     };
     let heard: Vec<f64> = heard.into_iter().step_by(2).collect();
     let off = |expected: &[f64]| norm(&difference(&heard, expected)) / norm(expected);
-    let wave_number = TAU * burst.frequency_hz / AIR.c_mps;
-    let expected = exact(edge_beyond_m(DX_M, wave_number));
+    let wave_number = TAU * burst.frequency_hz / conditions.medium.c_mps;
+    let expected = exact(edge_beyond_m(dx_m, wave_number));
     Ok(Diffraction {
         waveform: off(&expected),
         level_db: decibels(norm(&heard) / norm(&expected)),
@@ -129,11 +136,11 @@ pub fn cases(depth: Depth) -> Vec<(Scheme, f64, usize)> {
 pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
     let mut found = Vec::new();
     for (scheme, degrees, times) in cases(depth) {
-        let error = half_plane(scheme, degrees, times)?;
-        let case = format!(
-            "{scheme}, {degrees} degrees, {} kHz",
-            1e-3 * FREQUENCY_HZ / times as f64
-        );
+        let khz = 1e-3 * FREQUENCY_HZ / times as f64;
+        let case = format!("{scheme}, {degrees} degrees, {khz} kHz");
+        let setting = Setting::drawn("half plane", &case);
+        let error = half_plane(&setting, scheme, degrees, times)?;
+        let case = named(&case, &setting);
         let allowed = tolerance(degrees, times);
         let measured = [error.waveform, error.level_db];
         found.extend(Measurement::waveform_and_level(&case, measured, allowed));

@@ -6,10 +6,14 @@
 //! Formula: `(Z cos - rho c)/(Z cos + rho c)`, the angle being that of the continuum.
 //! Bias: none of dispersion on the way, which cancels; the scheme's own error of the group velocity counts as the surface's.
 //! Tolerance: 0.02 at 4 kHz (all schemes) and 10 kHz (m13, o13, d25), Z/(rho c) from 0.05 to 20, 0 to 62 and 73 degrees, wherever the wall lies in
-//! the cells. At 13 kHz, and with slf at 10 kHz, it is shown.
+//! the cells, up to a Courant number of 0.58. At 13 kHz, and with slf at 10 kHz, it is shown.
+//! Above 0.58 the schemes but slf leave less for the surface's springs (at 0.636 to 0.653 scenes are refused), and the error grows: 0.017 to 0.025 at 0.594,
+//! 0.021 to 0.042 at 0.604, 0.025 to 0.036 at 0.618. There 0.05 is allowed.
 
-use super::rig::{AIR, DT_S, DX_M, Rig, centre_m, line};
-use super::{Depth, Measurement};
+use super::conditions::Conditions;
+use super::rig::Rig;
+use super::setting::Setting;
+use super::{Depth, Measurement, named};
 use crate::Error;
 use crate::field::{Field, FieldState};
 use crate::scheme::Scheme;
@@ -21,7 +25,7 @@ use std::f64::consts::{PI, TAU};
 /// Impedances over that of the air.
 pub const RATIOS: [f64; 5] = [0.05, 0.3, 1.0, 3.0, 20.0];
 
-/// Frequency in hertz, and modes: 0, about 27 to 31, 45 to 51, 62 to 73 degrees.
+/// Frequency in hertz on the papers' grid, and modes: 0, about 27 to 31, 45 to 51, 62 to 73 degrees.
 pub const CASES: [(f64, [usize; 4]); 3] = [
     (4e3, [0, 5, 8, 10]),
     (10e3, [0, 14, 22, 27]),
@@ -36,6 +40,15 @@ pub fn is_held(scheme: Scheme, frequency_hz: f64) -> bool {
     frequency_hz < 5e3 || (frequency_hz < 11e3 && scheme != Scheme::Slf)
 }
 
+/// What the reflection factor may be off.
+pub fn tolerance(scheme: Scheme, conditions: &Conditions) -> f64 {
+    if scheme == Scheme::Slf || conditions.has_accurate_impedances() {
+        0.02
+    } else {
+        0.05
+    }
+}
+
 /// Cells across the duct.
 const WIDTH: usize = 96;
 /// Cells between the start of the grid and the duct.
@@ -47,8 +60,9 @@ const START: usize = 160;
 /// Standard deviation of the packet along the duct, in cells.
 const SIGMA: f64 = 37.0;
 
-/// Spectrum at `frequency_hz` of what comes back of a mode from an end of an impedance, rigid when `None`.
+/// Spectrum at `frequency_hz` on the papers' grid of what comes back of a mode from an end of an impedance, rigid when `None`.
 pub(super) fn heard(
+    setting: &Setting,
     scheme: Scheme,
     frequency_hz: f64,
     mode: usize,
@@ -56,8 +70,9 @@ pub(super) fn heard(
     impedance: Option<&Impedance>,
 ) -> Complex<f64> {
     let width = WIDTH;
-    let mut rig = Rig::open(scheme, END + 40, width + 2 * SIDE);
-    let at = |cells: f64| cells * DX_M;
+    let Conditions { medium, dx_m, dt_s } = setting.conditions;
+    let rig = Rig::open(setting, scheme, END + 40, width + 2 * SIDE);
+    let at = |cells: f64| cells * dx_m;
     let wall = |from: [f64; 2], to: [f64; 2], impedance: Option<&Impedance>| Wall {
         points_m: vec![from.map(at), to.map(at)],
         thickness_m: at(4.0),
@@ -70,25 +85,23 @@ pub(super) fn heard(
         wall([0.0, high + 2.0], [end + 4.0, high + 2.0], None),
         wall([end + 2.0, low], [end + 2.0, high], impedance),
     ];
-    rig.walls = WallModel::CutCells.cells(&rig.grid(), &walls);
+    let rig = rig.with_model(WallModel::CutCells, &walls);
+    let frequency_hz = setting.conditions.hz(frequency_hz);
     let omega = TAU * frequency_hz;
     let across = PI * mode as f64 / width as f64;
-    let along = ((omega * DX_M / AIR.c_mps).powi(2) - across * across).sqrt();
-    let group = rig.courant() * along * AIR.c_mps / (omega * DX_M);
-    let [nx, ny] = rig.walls.size();
+    let along = ((omega * dx_m / medium.c_mps).powi(2) - across * across).sqrt();
+    let group = rig.courant() * along * medium.c_mps / (omega * dx_m);
     let shape = |iy: usize| (across * (iy as f64 + 0.5 - SIDE as f64)).cos();
     let packet = |early: f64| -> Vec<f32> {
-        let value = |cell: usize| {
-            let (ix, iy) = (cell % nx, cell / nx);
+        rig.cells(|ix, iy| {
             if !(SIDE..SIDE + width).contains(&iy) || ix >= END {
                 return 0.0;
             }
             let from = ix as f64 - START as f64;
             let envelope = (-0.5 * ((from + group * early) / SIGMA).powi(2)).exp();
-            let phase = along * from + omega * DT_S * early;
+            let phase = along * from + omega * dt_s * early;
             (envelope * phase.cos() * shape(iy)) as f32
-        };
-        (0..nx * ny).map(value).collect()
+        })
     };
     let mut field = rig.field();
     let blank = field.state();
@@ -102,30 +115,43 @@ pub(super) fn heard(
     field.advance(&rig.silence(steps(END - START)), &mut Vec::new());
     let clear = SIDE + 8..SIDE + width - 8;
     let loudest = clear.max_by(|&a, &b| shape(a).abs().total_cmp(&shape(b).abs()));
-    let microphone_m = centre_m(LINE, loudest.unwrap_or(SIDE + width / 2));
+    let microphone_m = rig.centre_m(LINE, loudest.unwrap_or(SIDE + width / 2));
     let mut received = Vec::new();
     let listening = rig.sounding(microphone_m, &|_| 0.0, steps(5 * (END - LINE) / 2));
     field.advance(&listening, &mut received);
     let received: Vec<f64> = received.into_iter().map(f64::from).collect();
-    line(&received, frequency_hz)
+    rig.line(&received, frequency_hz)
 }
 
-/// Sine of the angle at which a mode meets the duct's end.
+/// Sine of the angle at which a mode meets the duct's end, on any grid.
 pub(super) fn sine(frequency_hz: f64, mode: usize) -> f64 {
-    mode as f64 * AIR.c_mps / (2.0 * WIDTH as f64 * DX_M * frequency_hz)
+    let Conditions { medium, dx_m, .. } = Conditions::PAPERS;
+    mode as f64 * medium.c_mps / (2.0 * WIDTH as f64 * dx_m * frequency_hz)
+}
+
+/// What a case draws.
+pub fn setting(scheme: Scheme, frequency_hz: f64, place: f64) -> Setting {
+    let case = format!("{scheme}, {} kHz, {place} of a cell", frequency_hz / 1e3);
+    Setting::before_surfaces(scheme, "impedance", &case)
 }
 
 /// Largest error of the reflection factor over impedances and angles, with the angle in degrees and the ratio where it is; `place` is what the
 /// wall leaves of the cell before it.
-pub fn largest(scheme: Scheme, frequency_hz: f64, modes: &[usize], place: f64) -> [f64; 3] {
+pub fn largest(
+    setting: &Setting,
+    scheme: Scheme,
+    frequency_hz: f64,
+    modes: &[usize],
+    place: f64,
+) -> [f64; 3] {
     let mut most = [0.0; 3];
     for &mode in modes {
-        let rigid = heard(scheme, frequency_hz, mode, place, None);
+        let rigid = heard(setting, scheme, frequency_hz, mode, place, None);
         let sin = sine(frequency_hz, mode);
         let cos = (1.0 - sin * sin).sqrt();
         for ratio in RATIOS {
-            let end = Impedance::Real(ratio * AIR.rho_kgpm3 * AIR.c_mps);
-            let found = heard(scheme, frequency_hz, mode, place, Some(&end)) / rigid;
+            let end = Impedance::Real(ratio * setting.conditions.air_pasm());
+            let found = heard(setting, scheme, frequency_hz, mode, place, Some(&end)) / rigid;
             let error = (found - (ratio * cos - 1.0) / (ratio * cos + 1.0)).norm();
             if error > most[0] {
                 most = [error, sin.asin().to_degrees(), ratio];
@@ -157,12 +183,15 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
     let found = parts
         .into_par_iter()
         .map(|(scheme, frequency_hz, modes, place)| {
-            let [error, ..] = largest(scheme, frequency_hz, modes, place);
+            let setting = setting(scheme, frequency_hz, place);
+            let [error, ..] = largest(&setting, scheme, frequency_hz, modes, place);
             let khz = frequency_hz / 1e3;
             let name = format!("{scheme}, {khz} kHz, {place} of a cell, worst over angle");
+            let name = named(&name, &setting);
             let quantity = "reflection factor, error";
             if is_held(scheme, frequency_hz) {
-                Measurement::below(name, quantity, error, 0.02)
+                let most = tolerance(scheme, &setting.conditions);
+                Measurement::below(name, quantity, error, most)
             } else {
                 Measurement::shown(name, quantity, error)
             }

@@ -1,9 +1,10 @@
 //! Laws of physics that the field is held against, as measurements: what the tests assert and `echolot validate` prints.
 //!
 //! Each file measures one kind of law and says layout, formula, known bias and tolerance at its top. A measurement is a number with the
-//! range that it may have.
+//! range that it may have. Each case draws a medium, a grid and how its layout lies on it ([`setting`]).
 
 pub mod branches;
+pub mod conditions;
 pub mod corner;
 pub mod direct_method;
 pub mod dispersion;
@@ -17,6 +18,7 @@ pub mod rig;
 pub mod room;
 pub mod round;
 pub mod scene_echoes;
+pub mod setting;
 pub mod silence;
 pub mod stability;
 pub mod tilted;
@@ -26,6 +28,7 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
+use self::setting::Setting;
 use crate::Error;
 use crate::scheme::Scheme;
 
@@ -240,6 +243,11 @@ pub const LAWS: [Law; 21] = [
 /// The schemes that a law goes through.
 fn schemes() -> impl Iterator<Item = Scheme> {
     Scheme::ALL.into_iter()
+}
+
+/// The name of a case with what it was measured in.
+fn named(case: &str, setting: &Setting) -> String {
+    format!("{case}, {setting}")
 }
 
 /// Of two errors the larger, with its sign; the first of equal ones.

@@ -15,15 +15,16 @@
 //! Bias: none; the line source's tail is far below the band.
 //! Tolerance: what is heard from 0.75 ms to 3.75 ms after the echo is at least 20 dB weaker than with stairs.
 
-use super::rig::{AIR, DT_S, DX_M, Rig, decibels, difference, line, norm};
-use super::{Depth, Measurement, larger};
+use super::conditions::Conditions;
+use super::rig::{Rig, decibels, difference, norm};
+use super::setting::Setting;
+use super::{Depth, Measurement, larger, named};
 use crate::Error;
-use crate::exact::burst::Burst;
 use crate::scheme::Scheme;
 use crate::walls::{Wall, WallModel};
 use std::f64::consts::TAU;
 
-/// Frequency of the bursts in hertz.
+/// Frequency of the bursts in hertz, on the papers' grid.
 const FREQUENCY_HZ: f64 = 10e3;
 
 /// Tilts in degrees, and the largest errors of the echo of cut cells: level in dB and delay in s.
@@ -48,9 +49,14 @@ pub(super) struct Tilted {
 
 impl Tilted {
     /// A wall of `length_m` whose face is tilted against the x axis and has its middle at `foot_m`.
-    pub(super) fn new(tilt_deg: f64, foot_m: [f64; 2], length_m: f64) -> Self {
+    pub(super) fn new(
+        conditions: &Conditions,
+        tilt_deg: f64,
+        foot_m: [f64; 2],
+        length_m: f64,
+    ) -> Self {
         let (sin, cos) = tilt_deg.to_radians().sin_cos();
-        let thickness_m = 4.0 * DX_M;
+        let thickness_m = 4.0 * conditions.dx_m;
         let end = |side: f64| {
             let along = side * 0.5 * length_m;
             [
@@ -75,43 +81,63 @@ impl Tilted {
     }
 }
 
-/// Error of an echo: level in dB and delay in s. The wall is moved into its normal by `shift` cells.
+/// Error of an echo: level in dB and delay in s on the papers' grid. The wall is moved into its normal by `shift` cells.
 ///
 /// # Errors
 /// When the field becomes non-finite.
 pub fn echo(
+    setting: &Setting,
     scheme: Scheme,
     model: WallModel,
     tilt_deg: f64,
     shift: f64,
 ) -> Result<[f64; 2], Error> {
-    let open = Rig::open(scheme, 400, 340);
-    let at = Tilted::new(tilt_deg, [1.0, 1.0], 1.6).behind(shift * DX_M);
-    let tilted = Tilted::new(tilt_deg, at, 1.6);
-    let mut walled = open.clone();
-    walled.walls = model.cells(&open.grid(), std::slice::from_ref(&tilted.wall));
-    let burst = Burst::from_zero(FREQUENCY_HZ, 1000.0);
-    let steps = ((0.8 / AIR.c_mps + 2.0 * burst.centre_s) / DT_S) as usize;
+    let conditions = &setting.conditions;
+    let open = Rig::open(setting, scheme, 400, 340);
+    let wall = |foot_m| Tilted::new(conditions, tilt_deg, foot_m, conditions.m(1.6));
+    let tilted = wall(wall(conditions.point([1.0; 2])).behind(shift * conditions.dx_m));
+    let walls = std::slice::from_ref(&tilted.wall);
+    let walled = open.clone().with_model(model, walls);
+    let burst = conditions.burst(FREQUENCY_HZ, 1000.0);
+    let way_s = conditions.m(0.8) / conditions.medium.c_mps;
+    let steps = ((way_s + 2.0 * burst.centre_s) / conditions.dt_s) as usize;
+    let behind = |distance_m: f64| tilted.behind(conditions.m(distance_m));
     let hear = |rig: &Rig, microphone_m: [f64; 2]| {
-        let source_m = tilted.behind(-0.42);
+        let source_m = behind(-0.42);
         let strength = |t_s: f64| burst.value(t_s);
         rig.run(&|_| source_m, &|_| microphone_m, &strength, steps)
     };
-    let front = tilted.behind(-0.38);
+    let front = behind(-0.38);
     let echo = difference(&hear(&walled, front)?, &hear(&open, front)?);
-    let expected = hear(&open, tilted.behind(0.38))?;
-    let ratio = line(&echo, FREQUENCY_HZ) / line(&expected, FREQUENCY_HZ);
+    let expected = hear(&open, behind(0.38))?;
+    let frequency_hz = burst.frequency_hz;
+    let ratio = open.line(&echo, frequency_hz) / open.line(&expected, frequency_hz);
     Ok([decibels(ratio.norm()), -ratio.arg() / (TAU * FREQUENCY_HZ)])
+}
+
+/// What the echo of a wall draws, whatever the wall is made into.
+pub fn setting(scheme: Scheme, tilt_deg: f64) -> Setting {
+    Setting::drawn("tilted wall", &format!("{scheme}, {tilt_deg} degrees"))
+}
+
+/// What the scatter draws.
+pub fn scatter_setting(scheme: Scheme) -> Setting {
+    Setting::drawn("scatter of a tilted wall", scheme.name())
 }
 
 /// The largest errors of level in dB and delay in s over three places of the wall in the cells, with their signs.
 ///
 /// # Errors
 /// When the field becomes non-finite.
-pub fn largest(scheme: Scheme, model: WallModel, tilt_deg: f64) -> Result<[f64; 2], Error> {
+pub fn largest(
+    setting: &Setting,
+    scheme: Scheme,
+    model: WallModel,
+    tilt_deg: f64,
+) -> Result<[f64; 2], Error> {
     let mut most = [0.0_f64; 2];
     for shift in [0.0, 0.37, 0.71] {
-        let error = echo(scheme, model, tilt_deg, shift)?;
+        let error = echo(setting, scheme, model, tilt_deg, shift)?;
         most = [0, 1].map(|i| larger(most[i], error[i]));
     }
     Ok(most)
@@ -121,19 +147,21 @@ pub fn largest(scheme: Scheme, model: WallModel, tilt_deg: f64) -> Result<[f64; 
 ///
 /// # Errors
 /// When the field becomes non-finite.
-pub fn scatter(scheme: Scheme, model: WallModel) -> Result<f64, Error> {
-    let open = Rig::open(scheme, 540, 300);
-    let tilted = Tilted::new(12.0, [1.3, 0.9], 2.4);
-    let mut walled = open.clone();
-    walled.walls = model.cells(&open.grid(), std::slice::from_ref(&tilted.wall));
-    let burst = Burst::from_zero(FREQUENCY_HZ, 1000.0);
-    let pair_m = tilted.behind(-0.45);
-    let arrival_s = 0.9 / AIR.c_mps + burst.centre_s;
-    let index = |t_s: f64| (t_s / DT_S) as usize;
-    let steps = index(arrival_s + 3.75e-3);
+pub fn scatter(setting: &Setting, scheme: Scheme, model: WallModel) -> Result<f64, Error> {
+    let conditions = &setting.conditions;
+    let open = Rig::open(setting, scheme, 540, 300);
+    let foot_m = conditions.point([1.3, 0.9]);
+    let tilted = Tilted::new(conditions, 12.0, foot_m, conditions.m(2.4));
+    let walls = std::slice::from_ref(&tilted.wall);
+    let walled = open.clone().with_model(model, walls);
+    let burst = conditions.burst(FREQUENCY_HZ, 1000.0);
+    let pair_m = tilted.behind(conditions.m(-0.45));
+    let arrival_s = conditions.m(0.9) / conditions.medium.c_mps + burst.centre_s;
+    let index = |t_s: f64| (t_s / conditions.dt_s) as usize;
+    let steps = index(arrival_s + conditions.s(3.75e-3));
     let hear = |rig: &Rig| rig.run(&|_| pair_m, &|_| pair_m, &|t_s| burst.value(t_s), steps);
     let echo = difference(&hear(&walled)?, &hear(&open)?);
-    let (before, after) = echo.split_at(index(arrival_s + 0.75e-3));
+    let (before, after) = echo.split_at(index(arrival_s + conditions.s(0.75e-3)));
     Ok(decibels(norm(after) / norm(before)))
 }
 
@@ -151,19 +179,22 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
         for (tilt_deg, allowed) in TILTS {
             for model in WallModel::ALL {
                 let held = model == WallModel::CutCells && SCHEMES.contains(&scheme);
-                let error = largest(scheme, model, tilt_deg)?;
+                let setting = setting(scheme, tilt_deg);
+                let error = largest(&setting, scheme, model, tilt_deg)?;
                 let mut push = |quantity, error, allowed| {
                     let case = format!("{scheme}, {model}, {tilt_deg} degrees");
+                    let case = named(&case, &setting);
                     found.push(Measurement::held(held, case, quantity, error, allowed));
                 };
                 push("level, dB", error[0], allowed[0]);
                 push("delay, us", 1e6 * error[1], 1e6 * allowed[1]);
             }
         }
-        let [cut, stairs] = WallModel::ALL.map(|model| scatter(scheme, model));
+        let setting = scatter_setting(scheme);
+        let [cut, stairs] = WallModel::ALL.map(|model| scatter(&setting, scheme, model));
         let (cut, stairs) = (cut?, stairs?);
         let quantity = "scattered back beside the echo, dB";
-        let case = |model| format!("{scheme}, {model}, 12 degrees");
+        let case = |model| named(&format!("{scheme}, {model}, 12 degrees"), &setting);
         found.push(Measurement::shown(case("staircase"), quantity, stairs));
         found.push(Measurement::below(
             case("cut_cells"),

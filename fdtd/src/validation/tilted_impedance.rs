@@ -18,21 +18,22 @@
 //! it would change by 0.13 (slope 1 to 1, met at 45 degrees) without what `walls/slant.rs` does.
 //! Tolerance: 0.02 for the mean (m13, o13, d25), for single places what was measured and up to a third more; Z/(rho c) from 0.05 to 20.
 
-use super::rig::{AIR, DT_S, DX_M, Rig, difference, line};
+use super::conditions::Conditions;
+use super::rig::{Rig, difference};
+use super::setting::Setting;
 use super::tilted::Tilted;
-use super::{Depth, Measurement};
+use super::{Depth, Measurement, named};
 use crate::Error;
-use crate::exact::burst::Burst;
 use crate::scheme::Scheme;
 use crate::walls::{Impedance, WallModel};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
-/// Frequency of the burst in hertz.
+/// Frequency of the burst in hertz, on the papers' grid.
 const FREQUENCY_HZ: f64 = 10e3;
 
-/// Distance in metres of source and microphone from the wall.
+/// Distance in metres of source and microphone from the wall, on the papers' grid.
 const DISTANCE_M: f64 = 0.4;
 
 /// Impedances over that of the air.
@@ -87,11 +88,18 @@ pub struct Errors {
     pub stray: f64,
 }
 
+/// What a case draws; the tangent is that of the angle of incidence.
+pub fn setting(scheme: Scheme, tilt_deg: f64, tangent: f64) -> Setting {
+    let case = format!("{scheme}, {tilt_deg} degrees, {tangent}");
+    Setting::before_accurate_surfaces("tilted impedance", &case)
+}
+
 /// Errors of the reflection factor of a wall that is tilted by `tilt_deg`, at an angle of incidence whose tangent is given, over some of [`PLACES`].
 ///
 /// # Errors
 /// When the field becomes non-finite.
 pub fn errors(
+    setting: &Setting,
     scheme: Scheme,
     model: WallModel,
     tilt_deg: f64,
@@ -100,7 +108,7 @@ pub fn errors(
 ) -> Result<Errors, Error> {
     let places = places.par_iter().map(|place| {
         let shift = place * tilt_deg.to_radians().cos();
-        let echoes = echoes(scheme, model, tilt_deg, tangent, shift, &RATIOS)?;
+        let echoes = echoes(setting, scheme, model, tilt_deg, tangent, shift, &RATIOS)?;
         Ok(std::array::from_fn(|i| echoes[i]))
     });
     let places: Vec<Echoes> = places.collect::<Result<_, Error>>()?;
@@ -125,10 +133,17 @@ pub fn errors(
 ///
 /// # Errors
 /// When the field becomes non-finite.
-pub fn stray(scheme: Scheme, tilt_deg: f64, tangent: f64, places: &[f64]) -> Result<f64, Error> {
+pub fn stray(
+    setting: &Setting,
+    scheme: Scheme,
+    tilt_deg: f64,
+    tangent: f64,
+    places: &[f64],
+) -> Result<f64, Error> {
     let places = places.par_iter().map(|place| {
         let shift = place * tilt_deg.to_radians().cos();
-        let echoes = echoes(scheme, WallModel::CutCells, tilt_deg, tangent, shift, &[])?;
+        let model = WallModel::CutCells;
+        let echoes = echoes(setting, scheme, model, tilt_deg, tangent, shift, &[])?;
         Ok(echoes[0])
     });
     Ok(off_mean(&places.collect::<Result<Vec<_>, Error>>()?))
@@ -151,18 +166,20 @@ fn off(echoes: &Echoes, tangent: f64) -> [f64; RATIOS.len()] {
         let sum = z * cos + 1.0;
         let slope = 2.0 * z / sum.powi(2);
         let bend = -4.0 * z * z / sum.powi(3) * (1.0 - cos * cos) - slope * cos;
-        let next = bend * AIR.c_mps / (2.0 * TAU * FREQUENCY_HZ * way_m(tangent));
+        let c_mps = Conditions::PAPERS.medium.c_mps;
+        let next = bend * c_mps / (2.0 * TAU * FREQUENCY_HZ * way_m(tangent));
         (echoes[1 + i] / echoes[0] - Complex::new((z * cos - 1.0) / sum, next)).norm()
     })
 }
 
-/// Way of the echo in metres.
+/// Way of the echo in metres, on the papers' grid.
 fn way_m(tangent: f64) -> f64 {
     2.0 * DISTANCE_M * tangent.hypot(1.0)
 }
 
 /// Spectral lines of the echoes of a wall that is moved into its normal by `shift` cells: rigid, and with the impedances of `ratios`.
 fn echoes(
+    setting: &Setting,
     scheme: Scheme,
     model: WallModel,
     tilt_deg: f64,
@@ -170,30 +187,33 @@ fn echoes(
     shift: f64,
     ratios: &[f64],
 ) -> Result<Vec<Complex<f64>>, Error> {
-    let open = Rig::open(scheme, 400, 360);
-    let at = Tilted::new(tilt_deg, [1.0, 1.1], 1.6).behind(shift * DX_M);
-    let tilted = Tilted::new(tilt_deg, at, 1.6);
+    let conditions = &setting.conditions;
+    let open = Rig::open(setting, scheme, 400, 360);
+    let wall = |foot_m| Tilted::new(conditions, tilt_deg, foot_m, conditions.m(1.6));
+    let tilted = wall(wall(conditions.point([1.0, 1.1])).behind(shift * conditions.dx_m));
     let [along_x, along_y] = [tilted.normal[1], -tilted.normal[0]];
-    let aside_m = tangent * DISTANCE_M;
+    let distance_m = conditions.m(DISTANCE_M);
+    let aside_m = tangent * distance_m;
     let front = |side: f64| {
-        let [x, y] = tilted.behind(-DISTANCE_M);
+        let [x, y] = tilted.behind(-distance_m);
         [x + side * aside_m * along_x, y + side * aside_m * along_y]
     };
-    let burst = Burst::from_zero(FREQUENCY_HZ, 1000.0);
-    let steps = ((way_m(tangent) / AIR.c_mps + 2.0 * burst.centre_s) / DT_S) as usize;
+    let burst = conditions.burst(FREQUENCY_HZ, 1000.0);
+    let way_s = conditions.m(way_m(tangent)) / conditions.medium.c_mps;
+    let steps = ((way_s + 2.0 * burst.centre_s) / conditions.dt_s) as usize;
     let hear = |rig: &Rig| {
         let strength = |t_s: f64| burst.value(t_s);
         rig.run(&|_| front(-1.0), &|_| front(1.0), &strength, steps)
     };
     let direct = hear(&open)?;
     let echo = |impedance: Option<Impedance>| -> Result<Complex<f64>, Error> {
-        let mut walled = open.clone();
         let mut wall = tilted.wall.clone();
         wall.impedance = impedance;
-        walled.walls = model.cells(&open.grid(), &[wall]);
-        Ok(line(&difference(&hear(&walled)?, &direct), FREQUENCY_HZ))
+        let walled = open.clone().with_model(model, &[wall]);
+        let echo = difference(&hear(&walled)?, &direct);
+        Ok(open.line(&echo, burst.frequency_hz))
     };
-    let of = |z: f64| Some(Impedance::Real(z * AIR.rho_kgpm3 * AIR.c_mps));
+    let of = |z: f64| Some(Impedance::Real(z * conditions.air_pasm()));
     let ratios = ratios.iter().map(|&z| of(z));
     std::iter::once(None).chain(ratios).map(echo).collect()
 }
@@ -217,7 +237,12 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
         for &(tilt_deg, allowed) in slants.iter().chain(slopes) {
             let is_slant = slants.iter().any(|slant| slant.0 == tilt_deg);
             for ((tangent, incidence), allowed) in INCIDENCES.into_iter().zip(allowed) {
-                let errors = errors(scheme, WallModel::CutCells, tilt_deg, tangent, &PLACES)?;
+                let setting = setting(scheme, tilt_deg, tangent);
+                let model = WallModel::CutCells;
+                let errors = errors(&setting, scheme, model, tilt_deg, tangent, &PLACES)?;
+                let case = |tilt_deg, incidence, what: &str| {
+                    named(&case(tilt_deg, incidence, what), &setting)
+                };
                 for (ratio, error) in RATIOS.into_iter().zip(errors.mean).filter(|_| is_slant) {
                     let case = case(tilt_deg, incidence, &format!("Z = {ratio} rho c"));
                     found.push(Measurement::below(case, quantity, error, TOLERANCE));

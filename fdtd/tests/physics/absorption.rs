@@ -11,16 +11,27 @@ use fdtd::image_source::{DrivingPair, ImageSourceOptions, synthesize};
 use fdtd::medium::absorbed::Stamped;
 use fdtd::simulation::{Flow, Simulation, SimulationOptions};
 use fdtd::validation::corner;
-use fdtd::validation::rig::{AIR, DT_S, decibels, norm};
+use fdtd::validation::rig::{decibels, norm};
+use fdtd::validation::setting::{Setting, Turn};
 use fdtd::waveform::PeriodicWaveform;
 
-/// Loss in nepers per metre, the same at all frequencies: then the exact result is a plain product.
+/// Loss in nepers per metre of the papers' grid, the same at all frequencies: then the exact result is a plain product.
 const ALPHA: f64 = 0.03;
 
 #[test]
 fn an_echo_of_the_field_loses_what_its_way_takes() {
-    let mut scene = corner::scene(fdtd::scheme::Scheme::M13).expect("a valid scene");
-    scene.walls[0].points_m = vec![[1.31, -0.2], [1.31, 2.0]];
+    // The image is told by hand, for the wall on the right.
+    let setting = Setting {
+        turn: Turn::NONE,
+        ..Setting::drawn("absorption", "m13")
+    };
+    let conditions = &setting.conditions;
+    let (c_mps, alpha) = (conditions.medium.c_mps, ALPHA / conditions.m(1.0));
+    let longest_m = fdtd::medium::absorbed::LONGEST_M;
+    let mut scene = corner::scene(&setting, fdtd::scheme::Scheme::M13).expect("a valid scene");
+    scene.walls[0].points_m = [[1.31, -0.2], [1.31, 2.0]]
+        .map(|point| conditions.point(point))
+        .to_vec();
     let chips: Vec<f64> = (0..1001_u64)
         .map(|k| {
             if (k * k * 31 + k * 7) % 1009 < 504 {
@@ -31,7 +42,12 @@ fn an_echo_of_the_field_loses_what_its_way_takes() {
         })
         .collect();
     let period_s = 1001.0 / scene.sample_rate_hz;
-    let waveform = PeriodicWaveform::with_band(&chips, period_s, [1.5e3, 5e3], 1.0 / DT_S);
+    let waveform = PeriodicWaveform::with_band(
+        &chips,
+        period_s,
+        [1.5e3, 5e3].map(|hz| conditions.hz(hz)),
+        1.0 / conditions.dt_s,
+    );
     let hear = |free_field, stamped| -> Vec<f32> {
         let options = SimulationOptions {
             free_field,
@@ -54,7 +70,7 @@ fn an_echo_of_the_field_loses_what_its_way_takes() {
             middle_s: 0.5 * path.duration_s(),
             sample_rate_hz: scene.sample_rate_hz,
         }
-        .absorbed(AIR.c_mps, &|_| ALPHA)
+        .absorbed(c_mps, &|_| alpha)
     };
     let [walled, open] = [false, true].map(|free| {
         let plain = hear(free, false);
@@ -62,10 +78,7 @@ fn an_echo_of_the_field_loses_what_its_way_takes() {
         [plain, absorbed]
     });
     // The straight line is not exact; what it says of the known way is.
-    let [first, slope] = fdtd::medium::absorbed::straight_line(
-        ALPHA * AIR.c_mps,
-        fdtd::medium::absorbed::LONGEST_M / AIR.c_mps,
-    );
+    let [first, slope] = fdtd::medium::absorbed::straight_line(alpha * c_mps, longest_m / c_mps);
     let offsets = [
         scene.robot.loudspeaker_offset_m,
         scene.robot.microphone_offset_m,
@@ -75,10 +88,10 @@ fn an_echo_of_the_field_loses_what_its_way_takes() {
     for k in from..to {
         let t_s = k as f64 / scene.sample_rate_hz;
         let [[sx, sy], [rx, ry]] = offsets.map(|offset_m| path.point_at(t_s, offset_m));
-        let way_m = (2.6 - sx - rx).hypot(sy - ry);
+        let way_m = (conditions.m(2.6) - sx - rx).hypot(sy - ry);
         let echo = |signals: usize| f64::from(walled[signals][k] - open[signals][k]);
         heard.push(echo(1));
-        expected.push(echo(0) * (first - slope * way_m / AIR.c_mps));
+        expected.push(echo(0) * (first - slope * way_m / c_mps));
     }
     let level_db = decibels(norm(&heard) / norm(&expected));
     let off: Vec<f64> = heard.iter().zip(&expected).map(|(a, b)| a - b).collect();
@@ -98,7 +111,8 @@ fn an_echo_of_the_field_loses_what_its_way_takes() {
             ..ImageSourceOptions::default()
         };
         let rate_hz = scene.sample_rate_hz;
-        synthesize(&scene.walls, &drive, &waveform, &AIR, rate_hz, &options)
+        let medium = &conditions.medium;
+        synthesize(&scene.walls, &drive, &waveform, medium, rate_hz, &options)
     };
     let absorbed = absorb(&image(false), &image(true));
     let (found, field): (Vec<f64>, Vec<f64>) = (from..to)

@@ -11,11 +11,10 @@
 //!
 //! A branch with nothing but a resistance is the same wall as one of that impedance, number by number.
 
-use crate::rig::{AIR, Rig, crossed_room, largest_sum};
-use fdtd::exact::burst::Burst;
+use crate::rig::{Conditions, Rig, Setting, crossed_room, largest_sum};
 use fdtd::field::{Field, FieldSetup};
 use fdtd::scheme::Scheme;
-use fdtd::validation::branches::{CASES, PLACES, TOLERANCE, largest, walls};
+use fdtd::validation::branches::{CASES, PLACES, TOLERANCE, largest, setting, walls};
 use fdtd::validation::impedance::is_held;
 use fdtd::validation::room::slanted_room;
 use fdtd::walls::{Branch, Impedance, WallModel};
@@ -38,15 +37,16 @@ fn the_reflection_factor_is_that_of_the_branches() {
     for (scheme, (frequency_hz, [normal, .., grazing]), place) in
         all.chain(highest.into_iter().flatten())
     {
-        let errors = largest(scheme, frequency_hz, &[normal, grazing], place);
+        let setting = setting(scheme, frequency_hz, place);
+        let errors = largest(&setting, scheme, frequency_hz, &[normal, grazing], place);
         println!(
-            "branches, {scheme}, {} kHz, {place} of a cell: {errors:.4?}",
+            "branches, {scheme}, {} kHz, {place} of a cell, {setting}: {errors:.4?}",
             frequency_hz / 1e3
         );
         for ((name, _), error) in walls().into_iter().zip(errors) {
             assert!(
                 error < TOLERANCE,
-                "{scheme}, {name}, {frequency_hz}, {place}: {error}"
+                "{scheme}, {name}, {frequency_hz}, {place}, {setting}: {error}"
             );
         }
     }
@@ -55,8 +55,11 @@ fn the_reflection_factor_is_that_of_the_branches() {
 #[test]
 fn nothing_but_resistance_is_the_real_impedance() {
     let setup = |impedance: Impedance| {
-        let rig = slanted_room(Scheme::O13, 120, WallModel::CutCells, Some(impedance));
-        FieldSetup::new(&rig.grid(), &AIR, rig.scheme, 0, &rig.walls).walls
+        let (scheme, model) = (Scheme::O13, WallModel::CutCells);
+        let setting = Setting::before_surfaces(scheme, "branches", "resistance");
+        let rig = slanted_room(&setting, scheme, 120, model, Some(impedance));
+        let medium = &rig.conditions().medium;
+        FieldSetup::new(&rig.grid(), medium, rig.scheme, 0, &rig.walls).walls
     };
     let real = setup(Impedance::Real(321.0));
     let alone = vec![Branch::resistance(321.0)];
@@ -69,9 +72,9 @@ fn nothing_but_resistance_is_the_real_impedance() {
     );
 }
 
-/// A branch of numbers over those that have the air's impedance at 10 kHz, as powers of ten; none is 0.
-fn branch(powers: [Option<f64>; 3]) -> Branch {
-    let omega = TAU * 10e3;
+/// A branch of numbers over those that have the air's impedance at 10 kHz on the papers' grid, as powers of ten; none is 0.
+fn branch(conditions: &Conditions, powers: [Option<f64>; 3]) -> Branch {
+    let omega = TAU * conditions.hz(10e3);
     let [resistance, inertance, stiffness] =
         powers.map(|power| power.map_or(0.0, |power| 440.0 * 10_f64.powf(power)));
     Branch {
@@ -81,9 +84,12 @@ fn branch(powers: [Option<f64>; 3]) -> Branch {
     }
 }
 
-/// Largest sums of squares of the pressure: during a burst, and in 330 steps that follow so many steps of silence.
-fn sums(rig: &Rig, place_m: [f64; 2], [loud, silent]: [usize; 2]) -> [f64; 2] {
-    let burst = Burst::from_zero(8e3, 4000.0);
+/// Largest sums of squares of the pressure: during a burst, and, by place and steps on the papers' grid, in 330 steps that follow so many steps of silence.
+fn sums(rig: &Rig, place_m: [f64; 2], steps: [usize; 2]) -> [f64; 2] {
+    let conditions = rig.conditions();
+    let place_m = conditions.point(place_m);
+    let [loud, silent] = steps.map(|steps| conditions.steps(steps));
+    let burst = conditions.burst(8e3, 4000.0);
     let mut field = rig.field();
     let sounding = rig.sounding(place_m, &|t_s| burst.value(t_s), loud);
     let during = largest_sum(&mut field, &sounding);
@@ -106,15 +112,14 @@ fn no_reactance_makes_energy() {
     for scheme in Scheme::ALL {
         for model in WallModel::ALL {
             for powers in &walls {
-                let branches = powers.iter().copied().map(branch).collect();
-                let impedance = Impedance::Branches(branches);
-                let rig = slanted_room(scheme, 120, model, Some(impedance));
+                let case = format!("{scheme}, {model}, {powers:?}");
+                let setting = Setting::before_surfaces(scheme, "passivity of branches", &case);
+                let branch = |&powers: &_| branch(&setting.conditions, powers);
+                let impedance = Impedance::Branches(powers.iter().map(branch).collect());
+                let rig = slanted_room(&setting, scheme, 120, model, Some(impedance));
                 let sums = sums(&rig, [0.3, 0.32], [400, 3000]);
-                println!("passivity, {scheme}, {model}, {powers:?}: {sums:?}");
-                assert!(
-                    sums[1] <= 1.5 * sums[0],
-                    "{scheme}, {model}, {powers:?}: {sums:?}"
-                );
+                println!("passivity, {case}, {setting}: {sums:?}");
+                assert!(sums[1] <= 1.5 * sums[0], "{case}, {setting}: {sums:?}");
             }
         }
     }
@@ -131,20 +136,23 @@ proptest! {
             prop::array::uniform3(prop::option::weighted(0.8, -6.0..6.0_f64)),
             1..5,
         ),
+        number in 0..1000_u32,
     ) {
+        let setting = Setting::before_surfaces(scheme, "any branches", &number.to_string());
         let branches: Vec<Branch> = powers
             .iter()
             .filter(|powers| powers.iter().any(Option::is_some))
-            .map(|&powers| branch(powers))
+            .map(|&powers| branch(&setting.conditions, powers))
             .collect();
         prop_assume!(!branches.is_empty());
         let rig = crossed_room(
+            &setting,
             scheme,
             model,
             &lines,
             Some(&Impedance::Branches(branches)),
         );
         let sums = sums(&rig, [0.14, 0.14], [200, 6000]);
-        prop_assert!(sums[1] <= 3.0 * sums[0], "{scheme}, {model}: {sums:?}");
+        prop_assert!(sums[1] <= 3.0 * sums[0], "{scheme}, {model}, {setting}: {sums:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! Air beyond walls and drive is not simulated, and not missed.
 //!
-//! Layout: the papers' grid, 2 m x 1.6 m with much air around a slanted rigid wall, one of two branches and a robot between them at 0.4 m/s for 60 ms;
+//! Layout: 2 m x 1.6 m with much air around a slanted rigid wall, one of two branches and a robot between them at 0.4 m/s for 60 ms;
 //! a code on a carrier of 10 kHz, up to 14 kHz; all schemes, whole and cut cells.
 //! Formula: absorbing layers stand for air without end wherever they begin, so that the domain around walls and drive gives what the scene's does.
 //! Bias: the layers' reflection, nearer and at other angles (-66 to -85 dB of the echoes).
@@ -10,7 +10,8 @@
 use std::collections::BTreeMap;
 
 use crate::rig::{
-    assert_foreign, code_on_carrier, decibels, difference, handed_over, heard, norm, run_to,
+    Setting, assert_foreign, code_on_carrier, decibels, difference, handed_over, heard, norm,
+    run_to,
 };
 use fdtd::grid::Grid;
 use fdtd::motion::{DrivePath, MotionState};
@@ -20,30 +21,37 @@ use fdtd::simulation::{Simulation, SimulationOptions};
 use fdtd::validation::corner;
 use fdtd::walls::{Branch, Impedance, Wall, WallModel};
 
+/// What a scheme's runs draw.
+fn setting(scheme: Scheme) -> Setting {
+    Setting::before_surfaces(scheme, "cropped domain", scheme.name())
+}
+
 fn scene(scheme: Scheme, wall_model: WallModel) -> Scene {
-    let corner = corner::scene(scheme).expect("a valid drive");
+    let setting = setting(scheme);
+    let conditions = &setting.conditions;
+    let corner = corner::scene(&setting, scheme).expect("a valid drive");
     let wall = |from: [f64; 2], to: [f64; 2], impedance| Wall {
-        points_m: vec![from, to],
-        thickness_m: 0.02,
+        points_m: [from, to].map(|point| conditions.point(point)).to_vec(),
+        thickness_m: conditions.m(0.02),
         impedance,
     };
     let branches = vec![
-        Branch::resonance(6e3, 200.0, 500.0),
+        Branch::resonance(conditions.hz(6e3), 200.0, 500.0),
         Branch::resistance(1600.0),
     ];
     let resonant = Impedance::Branches(branches);
     let start = MotionState {
-        x_m: 0.8,
-        y_m: 0.75,
+        x_m: conditions.m(0.8),
+        y_m: conditions.m(0.75),
         heading_rad: 0.4,
-        v_mps: 0.4,
-        omega_radps: 1.0,
+        v_mps: conditions.mps(0.4),
+        omega_radps: conditions.hz(1.0),
     };
-    let path = DrivePath::uniform(start, 0.06).expect("a valid drive");
+    let path = DrivePath::uniform(start, conditions.s(0.06)).expect("a valid drive");
     Scene {
         grid: Grid {
-            nx: 400,
-            ny: 320,
+            nx: 403,
+            ny: 317,
             ..corner.grid
         },
         walls: vec![
@@ -57,7 +65,8 @@ fn scene(scheme: Scheme, wall_model: WallModel) -> Scene {
 }
 
 fn simulation(scene: &Scene, options: SimulationOptions) -> Simulation {
-    let waveform = code_on_carrier(127, [500.0, 14e3]);
+    let conditions = setting(scene.scheme).conditions;
+    let waveform = code_on_carrier(&conditions, 127, [500.0, 14e3]);
     Simulation::new(scene, "drive", &waveform, &options).expect("a valid scene")
 }
 
@@ -103,10 +112,11 @@ fn what_lies_deep_in_the_walls_of_a_closed_room_and_beyond_is_not_missed_at_all(
     ] {
         for model in [WallModel::Staircase, WallModel::CutCells] {
             let open = scene(scheme, model);
-            let [low, high] = [[0.452, 0.453], [1.5, 1.15]];
+            let conditions = setting(scheme).conditions;
+            let [low, high] = [[0.452, 0.453], [1.5, 1.15]].map(|point| conditions.point(point));
             let room = Wall {
                 points_m: vec![low, [high[0], low[1]], high, [low[0], high[1]], low],
-                thickness_m: 0.3,
+                thickness_m: conditions.m(0.3),
                 impedance: impedance.clone(),
             };
             let scene = Scene {
@@ -163,7 +173,7 @@ fn pictures_show_the_scenes_domain() {
     };
     let (nx, ny, cropped) = frame(SimulationOptions::default());
     let (_, _, all) = frame(whole());
-    assert_eq!((nx, ny, cropped.len()), (400, 320, all.len()));
+    assert_eq!((nx, ny, cropped.len()), (403, 317, all.len()));
     // The layers of the two begin elsewhere, but the loudest cell lies at the robot in both.
     let loudest = |frame: &[f32]| {
         (0..frame.len())

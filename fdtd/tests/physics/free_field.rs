@@ -3,54 +3,17 @@
 //!
 //! Level over frequency beside them: 0.1 dB to 10 kHz (m13) and to 15 kHz (d25).
 
+use crate::rig::{Path, assert_within};
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
+use fdtd::validation::Depth;
 use fdtd::validation::direct_method::level_and_sidebands;
-use fdtd::validation::free_field::{CASES, MOTIONS, error};
-
-fn check(number: usize) {
-    let motion = MOTIONS[number];
-    for (scheme, frequency_hz, tolerance, tolerance_db) in CASES {
-        let [waveform, level_db] = error(
-            scheme,
-            frequency_hz,
-            500.0,
-            &motion.source,
-            &motion.receiver,
-            900,
-        )
-        .expect("a finite field");
-        let name = motion.name;
-        println!("free field, {name}, {scheme}: waveform {waveform:.5}, level {level_db:+.3} dB");
-        assert!(
-            waveform < tolerance,
-            "{name}, {scheme}: waveform off by {waveform}"
-        );
-        assert!(
-            level_db.abs() < tolerance_db,
-            "{name}, {scheme}: level off by {level_db} dB"
-        );
-    }
-}
+use fdtd::validation::free_field::{error, measure};
+use fdtd::validation::setting::Setting;
 
 #[test]
-fn both_at_rest() {
-    check(0);
-}
-
-#[test]
-fn a_fast_source() {
-    check(1);
-}
-
-#[test]
-fn a_fast_microphone() {
-    check(2);
-}
-
-#[test]
-fn a_source_on_a_circle_and_a_microphone_in_motion() {
-    check(3);
+fn at_rest_and_moving() {
+    assert_within("free field", &measure(Depth::Full).expect("finite fields"));
 }
 
 #[test]
@@ -67,12 +30,23 @@ fn level_over_frequency() {
     ] {
         let source = |t_s: f64| [0.9012 + 0.3 * t_s, 0.8021 - 0.2 * t_s];
         let receiver = |t_s: f64| [1.51 + 0.3 * t_s, 1.213 - 0.2 * t_s];
-        let [_, level_db] =
-            error(scheme, frequency_hz, 300.0, &source, &receiver, 1400).expect("a finite field");
-        println!("free field, {scheme}, level at {frequency_hz} Hz: {level_db:+.3} dB");
+        let setting = Setting::drawn("level", &format!("{scheme}, {frequency_hz} Hz"));
+        let spread_hz = 300.0;
+        let (source, receiver): (Path<'_>, Path<'_>) = (&source, &receiver);
+        let found = error(
+            &setting,
+            scheme,
+            frequency_hz,
+            spread_hz,
+            source,
+            receiver,
+            1400,
+        );
+        let [_, level_db] = found.expect("a finite field");
+        println!("free field, {scheme}, level at {frequency_hz} Hz, {setting}: {level_db:+.3} dB");
         assert!(
             level_db.abs() < tolerance_db,
-            "{scheme}, {frequency_hz} Hz: level off by {level_db} dB"
+            "{scheme}, {frequency_hz} Hz, {setting}: level off by {level_db} dB"
         );
     }
 }
@@ -80,19 +54,20 @@ fn level_over_frequency() {
 #[test]
 fn level_and_false_sidebands_of_a_moving_source() {
     for frequency_hz in [2e3, 6e3, 10e3, 15e3] {
-        let [level_db, sideband_db] =
-            level_and_sidebands(Scheme::D25, Spread::Kaiser8, frequency_hz)
-                .expect("a finite field");
+        let setting = Setting::drawn("sidebands", &format!("{frequency_hz} Hz"));
+        let (scheme, spread) = (Scheme::D25, Spread::Kaiser8);
+        let found = level_and_sidebands(&setting, scheme, spread, frequency_hz);
+        let [level_db, sideband_db] = found.expect("a finite field");
         println!(
-            "moving tone of {frequency_hz} Hz: {level_db:+.3} dB, sidebands {sideband_db:.1} dB"
+            "moving tone of {frequency_hz} Hz, {setting}: {level_db:+.3} dB, sidebands {sideband_db:.1} dB"
         );
         assert!(
             level_db.abs() < 0.1,
-            "{frequency_hz} Hz: level {level_db} dB"
+            "{frequency_hz} Hz, {setting}: level {level_db} dB"
         );
         assert!(
             sideband_db < -60.0,
-            "{frequency_hz} Hz: sidebands {sideband_db} dB"
+            "{frequency_hz} Hz, {setting}: sidebands {sideband_db} dB"
         );
     }
 }

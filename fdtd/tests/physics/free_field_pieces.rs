@@ -1,6 +1,6 @@
 //! A free-field drive in pieces of time sounds like the same drive in one domain.
 //!
-//! Layout: the papers' grid without walls; a robot at 0.9 m/s on a curve for 0.3 s with the microphone at the loudspeaker or
+//! Layout: 1.2 m x 1 m without walls; a robot at 0.9 m/s on a curve for 0.3 s with the microphone at the loudspeaker or
 //! 0.1 m ahead of it; a code on a carrier of 10 kHz, up to 14 kHz; schemes slf and o13, kaiser12.
 //! Formula: without walls nothing comes back, so that a domain around where the drive is now gives what one around the whole drive does.
 //! Bias: the layers, which are nearer in a piece (-90 dB; slf with the microphone apart -80 dB). Rounding errors of both runs wander at a
@@ -10,7 +10,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::rig::{assert_foreign, code_on_carrier, decibels, handed_over, heard, run_to};
+use crate::rig::{Setting, assert_foreign, code_on_carrier, decibels, handed_over, heard, run_to};
 use fdtd::grid::Grid;
 use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState};
 use fdtd::scene::{Robot, Scene};
@@ -20,44 +20,50 @@ use fdtd::spread::Spread;
 use fdtd::validation::corner;
 
 const DURATION_S: f64 = 0.3;
-const RATE_HZ: f64 = 40e3;
 const BAND_HZ: [f64; 2] = [0.0, 14e3];
 
+/// What a scheme's runs draw.
+fn setting(scheme: Scheme) -> Setting {
+    Setting::drawn("free field in pieces", scheme.name())
+}
+
 fn scene(scheme: Scheme, apart_m: f64, duration_s: f64) -> Scene {
-    let corner = corner::scene(scheme).expect("a valid drive");
+    let setting = setting(scheme);
+    let conditions = &setting.conditions;
+    let corner = corner::scene(&setting, scheme).expect("a valid drive");
     let start = MotionState {
-        x_m: 0.4013,
-        y_m: 0.3579,
+        x_m: conditions.m(0.4013),
+        y_m: conditions.m(0.3579),
         heading_rad: 0.4,
-        v_mps: 0.9,
-        omega_radps: 1.0,
+        v_mps: conditions.mps(0.9),
+        omega_radps: conditions.hz(1.0),
     };
     let leg = Leg {
-        duration_s,
-        v_mps: 0.9,
-        omega_radps: 1.0,
+        duration_s: conditions.s(duration_s),
+        v_mps: conditions.mps(0.9),
+        omega_radps: conditions.hz(1.0),
     };
     let path = DrivePath::from_legs(start, &[leg], DriveLimits::default()).expect("a valid drive");
     Scene {
         grid: Grid {
-            nx: 240,
-            ny: 200,
+            nx: 243,
+            ny: 197,
             ..corner.grid
         },
         walls: Vec::new(),
         robot: Robot {
             loudspeaker_offset_m: [0.0; 2],
-            microphone_offset_m: [apart_m, 0.0],
+            microphone_offset_m: [conditions.m(apart_m), 0.0],
         },
         spread: Spread::Kaiser12,
-        sample_rate_hz: RATE_HZ,
         paths: BTreeMap::from([("drive".into(), path)]),
         ..corner
     }
 }
 
 fn simulation(scene: &Scene, options: SimulationOptions) -> Simulation {
-    let waveform = code_on_carrier(511, BAND_HZ);
+    let conditions = setting(scene.scheme).conditions;
+    let waveform = code_on_carrier(&conditions, 511, BAND_HZ);
     let options = SimulationOptions {
         free_field: true,
         ..options

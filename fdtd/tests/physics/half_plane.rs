@@ -5,6 +5,7 @@ use crate::rig::assert_within;
 use fdtd::scheme::Scheme;
 use fdtd::validation::Depth;
 use fdtd::validation::half_plane::{half_plane, measure};
+use fdtd::validation::setting::Setting;
 
 #[test]
 fn sound_bends_round_an_edge_as_sommerfeld_says() {
@@ -13,9 +14,10 @@ fn sound_bends_round_an_edge_as_sommerfeld_says() {
 
 #[test]
 fn what_is_left_is_the_walls_thickness() {
-    let [thick, thin] =
-        [1, 2].map(|times| half_plane(Scheme::M13, 340.0, times).expect("a finite field"));
-    println!("half plane, 340 degrees: {thick:?}, thickness halved {thin:?}");
+    let setting = Setting::drawn("half plane", "thickness");
+    let error = |times| half_plane(&setting, Scheme::M13, 340.0, times).expect("a finite field");
+    let [thick, thin] = [1, 2].map(error);
+    println!("half plane, 340 degrees, {setting}: {thick:?}, thickness halved {thin:?}");
     assert!(thin.waveform < 0.65 * thick.waveform);
     assert!(thick.naive > 2.5 * thick.waveform);
 }

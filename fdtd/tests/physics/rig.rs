@@ -7,7 +7,9 @@ use fdtd::validation::Measurement;
 use fdtd::walls::{Impedance, Wall, WallModel};
 use fdtd::waveform::PeriodicWaveform;
 
+pub(crate) use fdtd::validation::conditions::Conditions;
 pub(crate) use fdtd::validation::rig::*;
+pub(crate) use fdtd::validation::setting::{Setting, Turn};
 
 /// Prints the measurements of a law and asserts that all of them are within their tolerances.
 pub(crate) fn assert_within(law: &str, found: &[Measurement]) {
@@ -20,8 +22,12 @@ pub(crate) fn assert_within(law: &str, found: &[Measurement]) {
     }
 }
 
-/// Chips on a carrier of 10 kHz, one for each cycle, within a band.
-pub(crate) fn code_on_carrier(chips: usize, band_hz: [f64; 2]) -> PeriodicWaveform {
+/// Chips on a carrier of 10 kHz on the papers' grid, one for each cycle, within a band there.
+pub(crate) fn code_on_carrier(
+    conditions: &Conditions,
+    chips: usize,
+    band_hz: [f64; 2],
+) -> PeriodicWaveform {
     // Four samples per cycle of the carrier.
     let samples: Vec<f64> = (0..4 * chips)
         .map(|n| {
@@ -30,7 +36,9 @@ pub(crate) fn code_on_carrier(chips: usize, band_hz: [f64; 2]) -> PeriodicWavefo
             sign * [1.0, 1.0, -1.0, -1.0][n % 4]
         })
         .collect();
-    PeriodicWaveform::with_band(&samples, samples.len() as f64 / 40e3, band_hz, 1.0 / DT_S)
+    let period_s = conditions.s(samples.len() as f64 / 40e3);
+    let band_hz = band_hz.map(|hz| conditions.hz(hz));
+    PeriodicWaveform::with_band(&samples, period_s, band_hz, 1.0 / conditions.dt_s)
 }
 
 /// Runs a simulation until it has come to a step.
@@ -72,23 +80,27 @@ pub(crate) fn assert_foreign(from: &Simulation, to: &mut Simulation) {
     );
 }
 
-/// A closed box of 56 x 56 cells with walls that are rigid or of an impedance, each from `[x0, y0]` by `[x1, y1]` to `[y1, x0]`, in m.
+/// A closed box of 56 x 56 cells with walls that are rigid or of an impedance, each from `[x0, y0]` by `[x1, y1]` to `[y1, x0]`, in m
+/// on the papers' grid.
 pub(crate) fn crossed_room(
+    setting: &Setting,
     scheme: Scheme,
     model: WallModel,
     lines: &[[f64; 4]],
     impedance: Option<&Impedance>,
 ) -> Rig {
-    let mut rig = Rig::open(scheme, 56, 56);
+    let mut rig = Rig::open(setting, scheme, 56, 56);
     rig.layer_cells = 0;
+    let conditions = &setting.conditions;
     let wall = |&[x0, y0, x1, y1]: &[f64; 4]| Wall {
-        points_m: vec![[x0, y0], [x1, y1], [y1, x0]],
-        thickness_m: 0.012,
+        points_m: [[x0, y0], [x1, y1], [y1, x0]]
+            .map(|point| conditions.point(point))
+            .to_vec(),
+        thickness_m: conditions.m(0.012),
         impedance: impedance.cloned(),
     };
     let walls: Vec<Wall> = lines.iter().map(wall).collect();
-    rig.walls = model.cells(&rig.grid(), &walls);
-    rig
+    rig.with_model(model, &walls)
 }
 
 /// The largest sum of squares of the pressure, looked at every 11 steps: at one moment a mode that is alone may have none.

@@ -8,7 +8,7 @@
 //!
 //! The same between crossed walls of 20 to 45 degrees, in whose cells the operator is another one (`walls/slant.rs`): at most 4.
 
-use crate::rig::{AIR, DX_M, Rig, crossed_room};
+use crate::rig::{Conditions, Rig, Setting, crossed_room};
 use fdtd::field::{Field, FieldSetup, FieldState, Injection, ReferenceField, StepForcing};
 use fdtd::grid::Grid;
 use fdtd::scheme::Scheme;
@@ -81,11 +81,12 @@ fn extreme(setup: &FieldSetup, areas: &[f64], mirrored: bool, turns: usize) -> f
 
 /// Smallest and largest eigenvalue with the walls of a rig at a Courant number.
 fn extremes(rig: &Rig, courant: f64) -> [f64; 2] {
+    let Conditions { medium, dx_m, .. } = *rig.conditions();
     let grid = Grid {
-        dt_s: courant * DX_M / AIR.c_mps,
+        dt_s: courant * dx_m / medium.c_mps,
         ..rig.grid()
     };
-    let setup = FieldSetup::new(&grid, &AIR, rig.scheme, 0, &rig.walls);
+    let setup = FieldSetup::new(&grid, &medium, rig.scheme, 0, &rig.walls);
     let areas = rig.walls.areas();
     [true, false].map(|mirrored| extreme(&setup, &areas, mirrored, 400))
 }
@@ -94,7 +95,11 @@ fn extremes(rig: &Rig, courant: f64) -> [f64; 2] {
 fn the_spectrum_with_walls_is_within_the_bound() {
     for scheme in Scheme::ALL {
         for part in [0.9999, 0.5] {
-            for rig in [closed_rig(scheme, 64), slanted_rig(scheme, 64)] {
+            let setting = Setting::drawn("spectrum", &format!("{scheme}, {part}"));
+            for rig in [
+                closed_rig(&setting, scheme, 64),
+                slanted_rig(&setting, scheme, 64),
+            ] {
                 let courant = part * scheme.max_courant();
                 let [smallest, largest] = extremes(&rig, courant);
                 let bound = scheme.polynomial(courant).bound().expect("a stable scheme");
@@ -118,7 +123,8 @@ fn slanted_walls_leave_it_within_four() {
     for scheme in Scheme::ALL {
         for part in [0.9999, 0.9, 0.5] {
             let courant = part * scheme.max_courant();
-            let rig = crossed_room(scheme, WallModel::CutCells, &lines, None);
+            let setting = Setting::drawn("slanted spectrum", &format!("{scheme}, {part}"));
+            let rig = crossed_room(&setting, scheme, WallModel::CutCells, &lines, None);
             let [smallest, largest] = extremes(&rig, courant);
             println!("spectrum, slanted, {scheme} at {courant:.4}: {smallest:.2e} to {largest:.4}");
             assert!(largest < 4.0, "{scheme}: {largest}");

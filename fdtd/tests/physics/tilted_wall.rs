@@ -1,22 +1,24 @@
 //! Echo and scatter of walls that lie across the grid: [`fdtd::validation::tilted`] says layout, formula and tolerance.
 
 use fdtd::scheme::Scheme;
-use fdtd::validation::tilted::{SCHEMES, TILTS, largest, scatter};
-use fdtd::validation::tilted_impedance::{PLACES, SLOPES, STRAY, stray};
+use fdtd::validation::tilted::{SCHEMES, TILTS, largest, scatter, scatter_setting, setting};
+use fdtd::validation::tilted_impedance::{self, PLACES, SLOPES, STRAY, stray};
 use fdtd::walls::WallModel;
 
 #[test]
 fn the_echo_of_a_tilted_wall_is_that_of_the_image_source() {
     for scheme in SCHEMES {
         for (tilt_deg, allowed) in TILTS {
-            let error = largest(scheme, WallModel::CutCells, tilt_deg).expect("a finite field");
+            let setting = setting(scheme, tilt_deg);
+            let error = largest(&setting, scheme, WallModel::CutCells, tilt_deg);
+            let error = error.expect("a finite field");
             println!(
-                "tilted wall, {scheme}, {tilt_deg} degrees: level in dB, delay in s {error:?}"
+                "tilted wall, {scheme}, {tilt_deg} degrees, {setting}: level in dB, delay in s {error:?}"
             );
             for (error, allowed) in error.into_iter().zip(allowed) {
                 assert!(
                     error.abs() < allowed,
-                    "{scheme}, {tilt_deg} degrees: {error}"
+                    "{scheme}, {tilt_deg} degrees, {setting}: {error}"
                 );
             }
         }
@@ -26,14 +28,15 @@ fn the_echo_of_a_tilted_wall_is_that_of_the_image_source() {
 #[test]
 fn a_slanted_wall_scatters_far_less_than_stairs() {
     for scheme in Scheme::ALL {
+        let setting = scatter_setting(scheme);
         let [cut, stairs] =
-            WallModel::ALL.map(|model| scatter(scheme, model).expect("a finite field"));
+            WallModel::ALL.map(|model| scatter(&setting, scheme, model).expect("a finite field"));
         println!(
-            "scatter at 12 degrees, {scheme}: cut cells {cut:.1} dB, staircase {stairs:.1} dB"
+            "scatter at 12 degrees, {scheme}, {setting}: cut cells {cut:.1} dB, staircase {stairs:.1} dB"
         );
         assert!(
             cut < stairs - 20.0,
-            "{scheme}: {cut} dB, stairs {stairs} dB"
+            "{scheme}, {setting}: {cut} dB, stairs {stairs} dB"
         );
     }
 }
@@ -42,9 +45,13 @@ fn a_slanted_wall_scatters_far_less_than_stairs() {
 fn a_wall_of_a_simple_slope_echoes_the_same_wherever_it_cuts_the_cells() {
     for scheme in [Scheme::O13, Scheme::D25] {
         for (tilt_deg, _) in SLOPES {
-            let stray = stray(scheme, tilt_deg, 1.0, &PLACES).expect("a finite field");
-            println!("tilted wall, {scheme}, {tilt_deg} degrees, met at 45: {stray:.4}");
-            assert!(stray < STRAY, "{scheme}, {tilt_deg} degrees: {stray}");
+            let setting = tilted_impedance::setting(scheme, tilt_deg, 1.0);
+            let stray = stray(&setting, scheme, tilt_deg, 1.0, &PLACES).expect("a finite field");
+            println!("tilted wall, {scheme}, {tilt_deg} degrees, met at 45, {setting}: {stray:.4}");
+            assert!(
+                stray < STRAY,
+                "{scheme}, {tilt_deg} degrees, {setting}: {stray}"
+            );
         }
     }
 }

@@ -88,7 +88,7 @@ mod tests {
 
     /// The transmitted signal at any time: rectangular chips on the carrier.
     fn sent(code: &[i8], t_s: f64) -> f64 {
-        let chip = (t_s * 10e3).floor().rem_euclid(1023.0) as usize;
+        let chip = (t_s * 10e3).floor().rem_euclid(code.len() as f64) as usize;
         f64::from(code[chip]) * (TAU * 10e3 * t_s).sin()
     }
 
@@ -96,16 +96,25 @@ mod tests {
     /// ten times as loud. Delay law of a uniform approach to a wall; tolerance 0.02 m of round trip (rectangular chips at 40 kHz).
     #[test]
     fn moving_walls_are_timed_and_the_direct_wave_is_not_picked() {
-        let (c, v) = (340.0, 0.3);
-        let code = m_sequence(10);
+        for (order, c) in [(10, 340.0), (10, 333.0), (11, 350.0)] {
+            check(order, c);
+        }
+    }
+
+    fn check(order: u32, c: f64) {
+        let v = 0.3;
+        let code = m_sequence(order);
         let parameters = Parameters {
             periods: 2,
             directions: 12,
             direct_wave: crate::DirectWave::GatedMean,
             max_range_m: 17.0,
+            code_length: code.len(),
+            speed_of_sound_mps: c,
             ..Parameters::default()
         };
-        let signal = (0..8 * 4092)
+        let samples = parameters.samples_per_period() as u32;
+        let signal = (0..8 * samples)
             .map(|k| {
                 let t = f64::from(k) / 40e3;
                 // c (t - t_e) = way(t) - v (t - t_e) for the wall ahead: source and receiver both move.
@@ -120,7 +129,7 @@ mod tests {
         let recording = Recording {
             signal,
             direct: None,
-            odometry: [0.0, 0.5, 1.0]
+            odometry: [0.0, 0.5, 1.0, 2.0]
                 .map(|t_s| OdometrySample {
                     t_s,
                     v_mps: v,
@@ -137,7 +146,7 @@ mod tests {
         };
         let blocks = measure(&recording, &parameters, &picking, [0.6, 12.0]).unwrap();
         assert_eq!(blocks.len(), 7);
-        assert!((blocks[0].step_s - 0.1023).abs() < 1e-12);
+        assert!((blocks[0].step_s - parameters.period_s()).abs() < 1e-12);
         for block in &blocks {
             let ways: Vec<f64> = block.times_s.iter().map(|t| t * c).collect();
             assert_eq!(ways.len(), 2, "{ways:?}");

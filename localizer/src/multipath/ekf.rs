@@ -148,7 +148,7 @@ mod tests {
             .iter()
             .map(|(n, d)| Plane::new(*n, *d).unwrap())
             .collect();
-        let predictor = Predictor::new(&planes, Model::Spatial, [0.3, 0.4], 340.0);
+        let predictor = Predictor::new(&planes, Model::Spatial, [0.3, 0.4], 346.0);
         let mut truth = Pose {
             x_m: 1.1,
             y_m: 1.7,

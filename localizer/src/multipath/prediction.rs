@@ -133,7 +133,7 @@ mod tests {
             .iter()
             .map(|(n, d)| Plane::new(*n, *d).unwrap())
             .collect();
-        let predictor = Predictor::new(&planes, Model::Spatial, [0.3, 0.4], 340.0);
+        let predictor = Predictor::new(&planes, Model::Spatial, [0.3, 0.4], 343.2);
         let pose = Pose {
             x_m: 1.3,
             y_m: 2.1,
@@ -163,12 +163,19 @@ mod tests {
     #[test]
     fn a_wall_answers_after_twice_its_distance() {
         let wall = Plane::new([2.0, 0.0, 0.0], -8.0).unwrap();
-        let predictor = Predictor::new(&[wall], Model::Single, [0.3, 0.3], 340.0);
-        let arrivals = predictor.predict(&Pose {
-            x_m: 1.0,
-            ..Pose::default()
-        });
-        assert!((arrivals[0].time_s - 6.0 / 340.0).abs() < 1e-12);
+        for c_mps in [333.0, 340.0, 350.0] {
+            let predictor = Predictor::new(
+                std::slice::from_ref(&wall),
+                Model::Single,
+                [0.3, 0.3],
+                c_mps,
+            );
+            let arrivals = predictor.predict(&Pose {
+                x_m: 1.0,
+                ..Pose::default()
+            });
+            assert!((arrivals[0].time_s - 6.0 / c_mps).abs() < 1e-12);
+        }
     }
 
     /// A corner of two walls, 3 m long each, at (0, 0): a robot hears both and, through the apex, the corner by both orders; beyond
@@ -179,7 +186,7 @@ mod tests {
             Plane::wall([[0.0, 0.0], [3.0, 0.0]]).unwrap(),
             Plane::wall([[0.0, 3.0], [0.0, 0.0]]).unwrap(),
         ];
-        let predictor = Predictor::new(&walls, Model::Planar, [0.0, 0.0], 340.0);
+        let predictor = Predictor::new(&walls, Model::Planar, [0.0, 0.0], 337.0);
         let lengths = |x_m: f64, y_m: f64| -> Vec<f64> {
             let pose = Pose {
                 x_m,
@@ -187,7 +194,7 @@ mod tests {
                 heading_rad: 0.0,
             };
             let arrivals = predictor.predict(&pose);
-            arrivals.iter().map(|a| 340.0 * a.time_s).collect()
+            arrivals.iter().map(|a| 337.0 * a.time_s).collect()
         };
         let near = lengths(1.0, 1.2);
         let expected = [2.4, 2.0, 2.0 * 1f64.hypot(1.2), 2.0 * 1f64.hypot(1.2)];

@@ -20,6 +20,7 @@ fn parameters() -> Parameters {
     Parameters {
         max_range_m: 4.3,
         window_half_width_m: 3.0,
+        speed_of_sound_mps: 343.2,
         ..Parameters::default()
     }
 }

@@ -81,9 +81,12 @@ fn an_echo_lands_in_its_pixel_at_40_khz() {
 }
 
 #[test]
-fn an_echo_lands_in_its_pixel_at_50_khz() {
+fn an_echo_lands_in_its_pixel_at_50_khz_in_warm_air_by_short_periods() {
     check_echoes(&Parameters {
         sample_rate_hz: 50_000.0,
+        speed_of_sound_mps: 350.0,
+        code_length: 511,
+        periods: 12,
         ..Parameters::default()
     });
 }
@@ -115,6 +118,7 @@ fn the_bank_agrees_with_the_printed_sums() {
     // A short code keeps the naive double sums affordable.
     let parameters = Parameters {
         code_length: 63,
+        speed_of_sound_mps: 336.0,
         periods: 3,
         directions: 7,
         max_range_m: 1.0,

@@ -1,12 +1,10 @@
 use super::*;
 use crate::exact::{hankel::hankel0, tone};
+use crate::validation::conditions::CONDITIONS;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
-const AIR: Medium = Medium {
-    c_mps: 340.0,
-    rho_kgpm3: 1.293,
-};
+const AIR: Medium = CONDITIONS[6].medium;
 
 /// The pressure of a burst at rest by its spectrum: (1/pi) Re int (omega rho / 4) Q(omega) H0^(2)(omega r/c) e^(i omega t) d omega.
 fn by_spectrum(burst: &Burst, r_m: f64, t_s: f64) -> f64 {
@@ -124,6 +122,6 @@ fn before_the_front_there_is_nothing() {
     let strength = |t_s: f64| burst.value(t_s);
     let rest = |_: f64| [0.0, 0.0];
     let source = burst_on_path(AIR, burst, &strength, &rest);
-    assert_eq!(source.potential([1.0, 0.0], 1.0 / 340.0 - 1e-6), 0.0);
-    assert!(source.potential([1.0, 0.0], 1.0 / 340.0 + burst.centre_s) != 0.0);
+    assert_eq!(source.potential([1.0, 0.0], 1.0 / AIR.c_mps - 1e-6), 0.0);
+    assert!(source.potential([1.0, 0.0], 1.0 / AIR.c_mps + burst.centre_s) != 0.0);
 }

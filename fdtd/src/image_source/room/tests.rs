@@ -6,7 +6,7 @@ use crate::exact::time_scale::plane_wall;
 use crate::image_source::ImageSourceOptions;
 use crate::waveform::PeriodicWaveform;
 
-const C_MPS: f64 = 340.0;
+const C_MPS: f64 = 346.0;
 const RATE_HZ: f64 = 40e3;
 
 fn shoebox(size_m: [f64; 3], reflection: f64) -> Room {

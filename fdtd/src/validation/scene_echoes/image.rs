@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use rustfft::num_complex::Complex;
 
-use super::super::rig::{DT_S, decibels};
+use super::super::conditions::Conditions;
+use super::super::rig::decibels;
 use super::alone::{APART_M, rays};
 use super::{Echo, burst};
 use crate::exact::hankel::hankel0;
@@ -13,7 +14,7 @@ use crate::scene::Scene;
 use crate::scheme::Polynomial;
 use crate::simulation::SOURCE_STRENGTH_M2PS;
 
-/// Frequencies of the fit: first, last and step, in hertz.
+/// Frequencies of the fit: first, last and step, in hertz on the papers' grid.
 const FIT_HZ: [f64; 3] = [5e3, 11e3, 125.0];
 
 /// How many orders of its walls a ray stands for: a double echo between two walls is heard both ways round, a corner's only once.
@@ -28,13 +29,14 @@ fn orders(ray: &RayPath) -> f64 {
 /// Spectrum of an image's echo at a frequency, with the dispersion of `grid` if there is one.
 fn image_spectrum(
     scene: &Scene,
+    conditions: &Conditions,
     ray: &RayPath,
     frequency_hz: f64,
     grid: Option<&Polynomial>,
 ) -> Complex<f64> {
     let omega = TAU * frequency_hz;
     let (c_mps, rho_kgpm3) = (scene.medium.c_mps, scene.medium.rho_kgpm3);
-    let strength = burst().spectrum(omega) * SOURCE_STRENGTH_M2PS;
+    let strength = burst(conditions).spectrum(omega) * SOURCE_STRENGTH_M2PS;
     let wave = hankel0(omega * ray.length_m / c_mps) * (0.25 * omega * rho_kgpm3);
     let late_rad: f64 = ray
         .points_m
@@ -50,9 +52,9 @@ fn image_spectrum(
 }
 
 /// Frequencies of the fit in hertz.
-fn fit_hz() -> impl Iterator<Item = f64> {
-    let [first, last, step] = FIT_HZ;
-    (0..=((last - first) / step) as usize).map(move |k| first + step * k as f64)
+fn fit_hz(conditions: &Conditions) -> impl Iterator<Item = f64> {
+    let [first, last, step] = FIT_HZ.map(|hz| conditions.hz(hz));
+    (0..=((last - first) / step).round() as usize).map(move |k| first + step * k as f64)
 }
 
 /// A frequency in hertz, and what was found and expected there.
@@ -89,15 +91,22 @@ fn compare(pairs: &[Pair], envelope: bool) -> [f64; 2] {
 }
 
 /// One echo of the field held against its image.
-pub(super) fn echo(scene: &Scene, reflectors: &Reflectors, ray: &RayPath, heard: &[f64]) -> Echo {
-    let arrival_s = ray.length_m / scene.medium.c_mps + burst().centre_s;
+pub(super) fn echo(
+    scene: &Scene,
+    conditions: &Conditions,
+    reflectors: &Reflectors,
+    ray: &RayPath,
+    heard: &[f64],
+) -> Echo {
+    let dt_s = conditions.dt_s;
+    let arrival_s = ray.length_m / scene.medium.c_mps + burst(conditions).centre_s;
     // Half of the distance to the next arrival on either side, with soft flanks; dispersion delays by less than 0.2 ms.
     let reach_s = APART_M / scene.medium.c_mps;
     let grid = scene.scheme.polynomial(scene.grid.courant(&scene.medium));
     let image = |on_grid: bool, f: f64| {
-        image_spectrum(scene, ray, f, on_grid.then_some(&grid)) * orders(ray)
+        image_spectrum(scene, conditions, ray, f, on_grid.then_some(&grid)) * orders(ray)
     };
-    let by_grid: Vec<Pair> = fit_hz()
+    let by_grid: Vec<Pair> = fit_hz(conditions)
         .map(|f| (f, image(true, f), image(false, f)))
         .collect();
     let [_, grid_late_s] = compare(&by_grid, true);
@@ -107,19 +116,19 @@ pub(super) fn echo(scene: &Scene, reflectors: &Reflectors, ray: &RayPath, heard:
     };
     let spectrum = |frequency_hz: f64| -> Complex<f64> {
         let terms = heard.iter().enumerate().map(|(n, &p)| {
-            let t_s = n as f64 * DT_S;
+            let t_s = n as f64 * dt_s;
             let weight = window(t_s);
             if weight == 0.0 {
                 Complex::ZERO
             } else {
-                Complex::from_polar(weight * p * DT_S, -TAU * frequency_hz * t_s)
+                Complex::from_polar(weight * p * dt_s, -TAU * frequency_hz * t_s)
             }
         });
         terms.sum()
     };
-    let found: Vec<Complex<f64>> = fit_hz().map(spectrum).collect();
+    let found: Vec<Complex<f64>> = fit_hz(conditions).map(spectrum).collect();
     let pairs = |on_grid: bool| -> Vec<Pair> {
-        fit_hz()
+        fit_hz(conditions)
             .zip(&found)
             .map(|(f, &found)| (f, found, image(on_grid, f)))
             .collect()
@@ -152,6 +161,7 @@ pub(super) fn echo(scene: &Scene, reflectors: &Reflectors, ray: &RayPath, heard:
 /// The sound of all images up to second order in time, at the speed of sound.
 pub(super) fn images(
     scene: &Scene,
+    conditions: &Conditions,
     reflectors: &Reflectors,
     place_m: [f64; 2],
     count: usize,
@@ -159,14 +169,15 @@ pub(super) fn images(
     let mut sum = vec![0.0; count];
     for ray in rays(reflectors, place_m) {
         // A Fourier integral over the burst's band, 0.5 to 15.5 kHz.
+        let step = 2.0 * conditions.hz(50.0);
         let lines: Vec<(f64, Complex<f64>)> = (0..=300)
-            .map(|k| 500.0 + 50.0 * f64::from(k))
-            .map(|f| (f, image_spectrum(scene, &ray, f, None) * 100.0))
+            .map(|k| conditions.hz(500.0 + 50.0 * f64::from(k)))
+            .map(|f| (f, image_spectrum(scene, conditions, &ray, f, None) * step))
             .collect();
-        let arrival_s = ray.length_m / scene.medium.c_mps + burst().centre_s;
+        let arrival_s = ray.length_m / scene.medium.c_mps + burst(conditions).centre_s;
         for (n, value) in sum.iter_mut().enumerate() {
-            let t_s = n as f64 * DT_S;
-            if (t_s - arrival_s).abs() < 2e-3 {
+            let t_s = n as f64 * conditions.dt_s;
+            if (t_s - arrival_s).abs() < conditions.s(2e-3) {
                 *value += lines
                     .iter()
                     .map(|&(f, line)| (line * Complex::from_polar(1.0, TAU * f * t_s)).re)

@@ -1,6 +1,6 @@
 //! Echoes of the paper-size scene beside its image sources, where no edge diffracts.
 //!
-//! Layout: `scenes/four_walls.json` with its own scheme and spreading; the robot at rest at places of its area, those of a raster where most echoes
+//! Layout: `scenes/four_walls.json` with its own cells, scheme and spreading, at each place in another medium and at another Courant number; the robot at rest at places of its area, those of a raster where most echoes
 //! can be compared; one burst of 8 kHz with a standard deviation of 2 kHz; walls as cut cells, whatever the scene says. The same without
 //! walls is subtracted: what is left are echoes. Once with all walls, once with only the pair that runs along the grid.
 //! Formula: every visible ray of first and second order ([`crate::rays`]) is a line source at its image, `(omega rho Q / 4) H0^(2)(k r)` in frequency,
@@ -24,7 +24,9 @@ use std::path::Path;
 
 use self::alone::alone;
 use self::image::{echo, images};
-use super::rig::{DT_S, difference, echoes, norm};
+use super::conditions::Conditions;
+use super::rig::{difference, echoes, norm};
+use super::setting::Setting;
 use super::{Depth, Measurement};
 use crate::Error;
 use crate::exact::burst::Burst;
@@ -35,6 +37,7 @@ use crate::walls::{Wall, WallModel};
 
 /// The scene.
 const SCENE: &str = include_str!("../../../../scenes/four_walls.json");
+/// Duration on the papers' grid.
 const DURATION_S: f64 = 0.031;
 
 /// One echo, field and image.
@@ -65,6 +68,8 @@ pub struct Echo {
 pub struct Place {
     /// Where, in metres.
     pub place_m: [f64; 2],
+    /// Medium and grid.
+    pub conditions: Conditions,
     /// Whether all walls of the scene stand; otherwise only those along the grid.
     pub whole: bool,
     /// Echoes in the field at the field's rate in Pa, entry `n` at time `n dt`.
@@ -76,8 +81,8 @@ pub struct Place {
 }
 
 /// What the loudspeaker sends, of peak 1.
-pub fn burst() -> Burst {
-    Burst::from_zero(8e3, 2e3)
+pub fn burst(conditions: &Conditions) -> Burst {
+    conditions.burst(8e3, 2e3)
 }
 
 /// Hears the echoes at a place of the scene.
@@ -93,21 +98,33 @@ fn place(scene: &Scene, whole: bool, place_m: [f64; 2]) -> Result<Place, Error> 
         omega_radps: 0.0,
     };
     let mut scene = scene.clone();
-    let path = DrivePath::uniform(rest, DURATION_S)?;
+    let drawn = Setting::drawn("scene echoes", &format!("{whole} {place_m:?}")).conditions;
+    let (medium, dx_m) = (drawn.medium, scene.grid.dx_m);
+    let conditions = Conditions {
+        medium,
+        dx_m,
+        dt_s: drawn.courant() * dx_m / medium.c_mps,
+    };
+    scene.medium = medium;
+    scene.grid.dt_s = conditions.dt_s;
+    let duration_s = conditions.s(DURATION_S);
+    let path = DrivePath::uniform(rest, duration_s)?;
     scene.paths.insert("rest".to_string(), path);
-    let waveform = burst().every(2.0 * DURATION_S, [0.0, 18e3], 1.0 / DT_S);
+    let band_hz = [0.0, conditions.hz(18e3)];
+    let waveform = burst(&conditions).every(2.0 * duration_s, band_hz, 1.0 / conditions.dt_s);
     let heard = echoes(&scene, "rest", &waveform, |simulation| {
         simulation.received()
     })?;
     let reflectors = Reflectors::of(&scene.walls);
     let echoes = alone(&reflectors, place_m)
         .iter()
-        .map(|ray| echo(&scene, &reflectors, ray, &heard))
+        .map(|ray| echo(&scene, &conditions, &reflectors, ray, &heard))
         .collect();
     Ok(Place {
         place_m,
+        conditions,
         whole,
-        images: images(&scene, &reflectors, place_m, heard.len()),
+        images: images(&scene, &conditions, &reflectors, place_m, heard.len()),
         heard,
         echoes,
     })
@@ -199,7 +216,7 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
         for echo in &place.echoes {
             let walls: Vec<String> = echo.walls.iter().map(usize::to_string).collect();
             let case = format!(
-                "{}, at {:.2} {:.2}, {} echo, wall {}{}, {:.2} m",
+                "{}, at {:.2} {:.2}, {} echo, wall {}{}, {:.2} m, {} m/s",
                 if place.whole {
                     "all walls"
                 } else {
@@ -211,6 +228,7 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
                 walls.join(" "),
                 if echo.along_grid { "" } else { " (slanted)" },
                 echo.length_m,
+                place.conditions.medium.c_mps,
             );
             let (level, delay) = ("level, dB", "delay, us");
             let late_us = 1e6 * echo.late_s;

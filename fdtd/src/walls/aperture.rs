@@ -14,7 +14,6 @@
 //! Weights and mass are those with the least errors of the reflection factor (their eighth powers summed) over frequency, angle and impedance, found by
 //! a search without chance, once for each Courant number and for sixteen places of the wall in a cell.
 
-use super::fit::Remainder;
 use super::half_line::Place;
 use crate::scheme::Polynomial;
 use std::f64::consts::TAU;
@@ -50,8 +49,6 @@ pub(super) struct Apertures {
     table: Vec<Aperture>,
     /// Whether the third cell and those along the wall are left out, which the rows of a 5-point stencil do not reach.
     narrow: bool,
-    /// What is left of the errors, for the first sixteen.
-    remainders: Vec<Remainder>,
 }
 
 impl Apertures {
@@ -62,19 +59,12 @@ impl Apertures {
         let edge = BAND_EDGE * if narrow { 0.5 } else { 1.0 };
         let spare = polynomial.spare();
         let mut x = [0.0, 0.0, 0.0, 0.45];
-        let mut remainders = Vec::with_capacity(PLACES);
         let table = (0..PLACES).map(|step| {
             let open = 1.0 - step as f64 / PLACES as f64;
             let places = Place::all(polynomial, open, edge);
             let given = [spare * open, spare, spare];
             x = search(x, free, |x| loss(&places, polynomial.courant, given, x));
-            let found = Aperture::found(given, x);
-            let mut remainder = Remainder::none(0.5 * polynomial.courant * edge);
-            for (left, place) in remainder.left.as_flattened_mut().iter_mut().zip(&places) {
-                *left = place.off(polynomial.courant, &found);
-            }
-            remainders.push(remainder);
-            found
+            Aperture::found(given, x)
         });
         let mut table: Vec<Aperture> = table.collect();
         // A wall that leaves nothing of the cell lies on the border of the next.
@@ -88,22 +78,7 @@ impl Apertures {
             along: 0.0,
             mass: table[0].mass,
         });
-        Self {
-            table,
-            narrow,
-            remainders,
-        }
-    }
-
-    /// Half a step's phase at the edge of the band.
-    pub(super) fn edge(&self) -> f64 {
-        self.remainders[0].edge
-    }
-
-    /// The nearest of the places that are worked out to that where the wall leaves the part `open` of the first cell, and what is left of the errors there.
-    pub(super) fn remainder(&self, open: f64) -> (usize, &Remainder) {
-        let place = ((1.0 - open) * PLACES as f64).round() as usize % PLACES;
-        (place, &self.remainders[place])
+        Self { table, narrow }
     }
 
     /// The weights where the wall leaves the part `open` of the first cell and its normal has the cosine `slope` to the axis.

@@ -16,10 +16,30 @@
 //! No coefficient is more than 4 or 1/M, whatever the branches are: rounding stays small where they differ by many decades. `beta sigma Q` is kept
 //! in place of Q, which keeps still when there is no compliance; with one it is what restores, and cannot drift. Finite volumes
 //! with such walls: Bilbao, Hamilton, Botts and Savioja 2016.
-//!
-//! [`super::fit`] says which l and sigma.
 
-use super::fit::Reduced;
+use super::impedance::Branch;
+
+/// A branch over the air's impedance and the step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reduced {
+    /// r.
+    pub(super) resistance: f64,
+    /// l.
+    pub(super) inertia: f64,
+    /// sigma.
+    pub(super) spring: f64,
+}
+
+impl Reduced {
+    /// For steps of `dt_s` in air of `rho c` in Pa s/m.
+    pub(super) fn new(branch: &Branch, characteristic_pasm: f64, dt_s: f64) -> Self {
+        Self {
+            resistance: branch.resistance_pasm / characteristic_pasm,
+            inertia: branch.inertance_kgpm2 / (characteristic_pasm * dt_s),
+            spring: branch.stiffness_papm * dt_s / characteristic_pasm,
+        }
+    }
+}
 
 /// Branches of a surface as steps take them.
 #[derive(Debug, Clone, PartialEq)]

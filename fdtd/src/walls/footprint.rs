@@ -1,7 +1,7 @@
 //! Which cells before a slanted wall of an impedance take part in its reaction, and how much.
 //!
-//! A piece of surface samples the pressure in the cells of a box of three by three before its middle (before walls of a simple slope it may be four by
-//! four), and takes its flow from the same cells with the same weights, as walls along the axes do ([`super::aperture`]). In front of a rigid wall a
+//! A piece of surface samples the pressure in the cells of a box of three by three before its middle, and
+//! takes its flow from the same cells with the same weights, as walls along the axes do ([`super::aperture`]). In front of a rigid wall a
 //! plane wave is `cos(k d) exp(i h t)`, with the distance d from the wall, the place t along it, and the wave numbers k and h of the lattice. The
 //! weights are those that make of it, by least squares over
 //! waves of all angles up to 11 kHz on the papers' grid, what the exact factor asks for at the surface's middle:
@@ -39,20 +39,11 @@ const FIT: Fit = Fit {
     change: [-0.05, 0.04],
 };
 
-/// The box of cells before a piece of surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Frame {
-    /// How far before the wall its middle lies, in cell widths.
-    pub(super) advance: f64,
-    /// Cells along and across it.
-    pub(super) cells: usize,
-}
+/// How far before the wall the middle of the box of cells lies, in cell widths.
+const ADVANCE: f64 = 0.5;
 
-/// That of walls of any slope.
-pub(super) const FRAME: Frame = Frame {
-    advance: 0.5,
-    cells: 3,
-};
+/// Cells of the box along an axis.
+const CELLS: usize = 3;
 
 /// Where other walls leave few cells, weights whose magnitudes sum to more are not worth the mass that they ask for.
 const MOST_WEIGHT: f64 = 3.0;
@@ -89,14 +80,8 @@ impl Footprints {
     }
 
     /// Weights of cells for a piece of surface, of a box; with those of a `column`, if given, in no other rows.
-    pub(super) fn at(
-        &self,
-        walls: &WallCells,
-        load: &Load,
-        frame: Frame,
-        column: Option<&Reach>,
-    ) -> Reach {
-        let places = self.places(walls, load, frame, column);
+    pub(super) fn at(&self, walls: &WallCells, load: &Load, column: Option<&Reach>) -> Reach {
+        let places = self.places(walls, load, column);
         let waves = self.waves(load.normal);
         let mut ridge = FIT.ridge;
         loop {
@@ -111,14 +96,8 @@ impl Footprints {
     }
 
     /// The cells of the box that no other wall hides from the surface.
-    fn places(
-        &self,
-        walls: &WallCells,
-        load: &Load,
-        frame: Frame,
-        column: Option<&Reach>,
-    ) -> Vec<Place> {
-        let size = [frame.cells, if self.narrow { 2 } else { frame.cells }];
+    fn places(&self, walls: &WallCells, load: &Load, column: Option<&Reach>) -> Vec<Place> {
+        let size = [CELLS, if self.narrow { 2 } else { CELLS }];
         let [nx, ny] = load.normal;
         let tangent = [ny, -nx];
         let middle = middle(load);
@@ -132,7 +111,7 @@ impl Footprints {
             [rows.clone().min(), rows.max()].map(Option::unwrap_or_default)
         });
         let first: [isize; 2] = [0, 1].map(|axis| {
-            let at = 0.5 + foot[axis] + frame.advance * load.normal[axis];
+            let at = 0.5 + foot[axis] + ADVANCE * load.normal[axis];
             let cells = size[axis];
             let first = (at - 0.5 * (cells as f64 - 1.0) + 1e-9).floor() as isize;
             // The surface's own cell is always in it, or all rows of the column.

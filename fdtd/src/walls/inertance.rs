@@ -54,13 +54,12 @@ fn change(load: &Load, [(first, from), (last, to)]: Changes) -> f64 {
     from + ((angle_deg - first) / (last - first)).clamp(0.0, 1.0) * (to - from)
 }
 
-/// Masses in cell widths of those of the `pieces` of surface that are `wanted` by their places in the list and before which boxes of cells take part,
-/// with these places, on the field whose operator has `rows`.
+/// Masses in cell widths of those of the `pieces` of surface before which boxes of cells take part, with their places in the list, on the field whose
+/// operator has `rows`.
 pub(super) fn slanted_masses(
     walls: &WallCells,
     rows: &dyn Fn([usize; 2]) -> Row,
     pieces: &[Piece],
-    wanted: impl Fn(usize) -> bool,
 ) -> Vec<(usize, f64)> {
     // What surfaces take from cells of a flow of one.
     let mut taken: BTreeMap<[usize; 2], f64> = BTreeMap::new();
@@ -82,7 +81,7 @@ pub(super) fn slanted_masses(
     };
     let slanted = walls.loads().iter().zip(pieces).enumerate();
     slanted
-        .filter(|(index, (load, _))| load.nearest_axis().1 <= LEAST_SLOPE && wanted(*index))
+        .filter(|(_, (load, _))| load.nearest_axis().1 <= LEAST_SLOPE)
         .map(mass)
         .collect()
 }

@@ -6,20 +6,17 @@
 //! * `faces`: weights of faces, and where walls of an impedance have their surface;
 //! * `openings`: what all of it gives to the field; [`operator`] (with `patch`): the field's rows near walls;
 //! * `reached`: which walls sound from a place can meet;
-//! * `impedance`: what the surface of a wall may be; `branches`: one of resistances, inertances and compliances, in steps; `fit` (with `linear`):
-//!   which of these;
-//! * `surface`: what surfaces of an impedance do to the field; `column` with `aperture` (and `half_line`), and `footprint`: through which cells, before
-//!   walls along the axes and others; `inertance`, `spring`: with how much mass; `commensurate`: both by an exact analysis where a wall repeats along
-//!   itself; `slant`: what the operator does differently in cells that slanted ones cut.
+//! * `impedance`: the impedance of a wall's surface; `branches`: one of resistances, inertances and compliances, in steps;
+//! * `surface`: what surfaces of an impedance do to the field; `column` with `aperture` (and `half_line`), and `footprint`
+//!   (with `linear`): through which cells, before walls along the axes and others; `inertance`, `spring`: with how much
+//!   mass; `slant`: what the operator does differently in cells that slanted ones cut.
 
 mod aperture;
 mod branches;
 mod clip;
 mod column;
-mod commensurate;
 mod cut;
 mod faces;
-mod fit;
 mod footprint;
 mod half_line;
 mod impedance;

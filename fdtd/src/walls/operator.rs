@@ -82,53 +82,42 @@ impl WallOperator {
         dt_s: f64,
         characteristic_pasm: f64,
     ) -> Self {
-        let rows_of = |walls: &WallCells| -> Box<dyn Fn([usize; 2]) -> Row> {
-            let operator = Self::new(walls, weights, polynomial, radius);
-            Box::new(operator.rows(walls.clone(), weights, polynomial, radius))
-        };
-        let surfaces = surfaces(
-            walls,
-            &rows_of,
-            polynomial,
-            radius,
-            dt_s,
-            characteristic_pasm,
-        );
+        let rows = |cell| self.row(walls, weights, polynomial, radius, cell);
+        let surfaces = surfaces(walls, &rows, polynomial, radius, dt_s, characteristic_pasm);
         self.surfaces = surfaces;
         self
     }
 
-    /// Rows of the operator over the Courant number squared, of cells that hold air.
-    pub(super) fn rows(
-        self,
-        walls: WallCells,
+    /// A row of the operator over the Courant number squared, of a cell that holds air.
+    fn row(
+        &self,
+        walls: &WallCells,
         weights: &Weights,
         polynomial: &Polynomial,
         radius: usize,
-    ) -> impl Fn([usize; 2]) -> Row + use<> {
+        [ix, iy]: [usize; 2],
+    ) -> Row {
         let plain = Patch::open().operator_row(weights);
         let (reach, linear) = (radius as isize, polynomial.linear);
-        move |[ix, iy]| {
-            let [x, y] = [ix as isize, iy as isize];
-            let mut row: BTreeMap<[isize; 2], f64> = BTreeMap::new();
-            for dy in -reach..=reach {
-                for dx in -reach..=reach {
-                    let [i, j] = [dx, dy].map(|offset| (offset + REACH) as usize);
-                    if plain[j][i] != 0.0 && walls.opening(x + dx, y + dy).is_some() {
-                        row.insert([dx, dy], plain[j][i]);
-                    }
+        let [x, y] = [ix as isize, iy as isize];
+        let mut row: BTreeMap<[isize; 2], f64> = BTreeMap::new();
+        for dy in -reach..=reach {
+            for dx in -reach..=reach {
+                let [i, j] = [dx, dy].map(|offset| (offset + REACH) as usize);
+                if plain[j][i] != 0.0 && walls.opening(x + dx, y + dy).is_some() {
+                    row.insert([dx, dy], plain[j][i]);
                 }
             }
-            let corrections = &self.corrections[iy];
-            if let Ok(at) = corrections.binary_search_by_key(&ix, |correction| correction.ix) {
-                for &(dy, column, weight) in &corrections[at].entries {
-                    *row.entry([column as isize - x, dy]).or_default() += f64::from(weight);
-                }
-            }
-            row.into_iter()
-                .map(|(at, weight)| (at, weight / linear))
-                .collect()
         }
+        let corrections = &self.corrections[iy];
+        if let Ok(at) = corrections.binary_search_by_key(&ix, |correction| correction.ix) {
+            for &(dy, column, weight) in &corrections[at].entries {
+                *row.entry([column as isize - x, dy]).or_default() += f64::from(weight);
+            }
+        }
+        row.into_iter()
+            .map(|(at, weight)| (at, weight / linear))
+            .collect()
     }
 
     /// The solid cells among some columns of a row.

@@ -19,7 +19,7 @@ const WIDTH: usize = 2 * REACH as usize + 1;
 /// Rounds of conjugate gradients; each leaves about a quarter of the error.
 const ROUNDS: usize = 8;
 /// What is added for all that is left out.
-pub(super) const MARGIN: f64 = 1.01;
+const MARGIN: f64 = 1.01;
 
 type Values = [[f64; WIDTH]; WIDTH];
 
@@ -70,23 +70,6 @@ pub(super) fn least_masses(
         MARGIN * terms.sum::<f64>()
     };
     pieces.iter().map(least).collect()
-}
-
-/// The field `H^-1 e` with which the form gives a load of one in a cell, by place; zero beyond a window around it.
-pub(super) fn yielding(
-    walls: &WallCells,
-    polynomial: &Polynomial,
-    cell: [usize; 2],
-) -> impl Fn([isize; 2]) -> f64 + use<> {
-    let window = Window::around(walls, cell, slack(polynomial));
-    let mut load = [[0.0; WIDTH]; WIDTH];
-    load[REACH as usize][REACH as usize] = 1.0;
-    let answer = window.solve(&load);
-    let first = cell.map(|at| at as isize - REACH);
-    move |[x, y]| {
-        let place = place_in([x - first[0], y - first[1]], WIDTH);
-        place.map_or(0.0, |[x, y]| answer[y][x])
-    }
 }
 
 /// What the form H is made of.

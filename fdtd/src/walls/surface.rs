@@ -22,13 +22,10 @@
 
 use super::WallCells;
 use super::aperture::Apertures;
-use super::branches::Branches;
+use super::branches::{Branches, Reduced};
 use super::column::Column;
-use super::commensurate::{self, RowsOf};
-use super::fit::{Reduced, Remainder, reduce};
-use super::footprint::{FRAME, Footprints};
-use super::impedance::Impedance;
-use super::inertance::{column_mass, slanted_masses};
+use super::footprint::Footprints;
+use super::inertance::{Row, column_mass, slanted_masses};
 use super::openings::Load;
 use super::slant::share;
 use super::spring::{Piece, least_masses};
@@ -73,10 +70,10 @@ impl Surface {
 pub(super) const LEAST_SLOPE: f64 = 0.95;
 
 /// The surfaces of `walls` by row for a stencil of a radius, for the Courant number of `polynomial`, steps of `dt_s` and the characteristic impedance
-/// `rho c` of the air in Pa s/m, on a field whose operator has the rows of `rows_of`.
+/// `rho c` of the air in Pa s/m, on a field whose operator has these rows.
 pub(super) fn surfaces(
     walls: &WallCells,
-    rows_of: RowsOf<'_>,
+    operator_rows: &dyn Fn([usize; 2]) -> Row,
     polynomial: &Polynomial,
     radius: usize,
     dt_s: f64,
@@ -89,53 +86,33 @@ pub(super) fn surfaces(
     let apertures = Apertures::new(polynomial);
     let footprints = Footprints::new(polynomial);
     let courant = polynomial.courant;
-    let nothing = Remainder::none(apertures.edge());
     let (mut pieces, mut before) = (Vec::new(), Vec::new());
     for load in walls.loads() {
         let usual = Usual::of(walls, load, &apertures, &footprints);
-        before.push((usual.mass, usual.left));
+        before.push(usual.mass);
         pieces.push(Piece {
             cell: load.cell,
             length: load.length,
             reach: usual.reach,
         });
     }
-    let operator = rows_of(walls);
-    for (index, mass) in slanted_masses(walls, &*operator, &pieces, |_| true) {
+    for (index, mass) in slanted_masses(walls, operator_rows, &pieces) {
         let share = share(walls.loads()[index].nearest_axis().1);
-        before[index].0 += share * (mass - before[index].0);
-    }
-    for better in commensurate::better(walls, rows_of, polynomial, &footprints) {
-        before[better.index].0 = better.mass;
-        pieces[better.index].reach = better.reach;
+        before[index] += share * (mass - before[index]);
     }
     let least = least_masses(walls, polynomial, &pieces);
     let area = |[ix, iy]: [usize; 2]| {
         let opening = walls.opening(ix as isize, iy as isize);
         opening.map_or(1.0, |opening| opening.area)
     };
-    // The pieces of a wall have one impedance.
-    let mut known: Vec<(Fitted<'_>, Vec<Reduced>)> = Vec::new();
     let mut memory = 0;
     for (index, load) in walls.loads().iter().enumerate() {
         let reach = &pieces[index].reach;
-        let (usual, left) = before[index];
-        let mass = usual.max(least[index]) / courant;
-        let (place, remainder) = left.unzip();
-        let key = (&load.impedance, place);
-        let at = known.iter().position(|(of, _)| *of == key);
-        let at = at.unwrap_or_else(|| {
-            let branches = load.impedance.branches();
-            let reduced = reduce(
-                &branches,
-                characteristic_pasm,
-                dt_s,
-                remainder.unwrap_or(&nothing),
-            );
-            known.push((key, reduced));
-            known.len() - 1
-        });
-        let branches = &known[at].1;
+        let mass = before[index].max(least[index]) / courant;
+        let branches = load.impedance.branches();
+        let branches: Vec<Reduced> = (branches.iter())
+            .map(|branch| Reduced::new(branch, characteristic_pasm, dt_s))
+            .collect();
         let (divisor, reaction) = match branches[..] {
             // An inertance is more of the mass.
             [branch] if branch.spring == 0.0 => {
@@ -143,7 +120,7 @@ pub(super) fn surfaces(
                 let decay = (mass - half) / (mass + half);
                 (mass + half, Reaction::Decay(decay as f32))
             }
-            _ => (1.0, Reaction::Branches(Branches::new(mass, branches))),
+            _ => (1.0, Reaction::Branches(Branches::new(mass, &branches))),
         };
         let mut gains: BTreeMap<usize, Vec<(usize, f32)>> = BTreeMap::new();
         for (&[ix, iy], weight) in reach {
@@ -171,27 +148,19 @@ pub(super) fn surfaces(
 }
 
 /// A piece of surface as walls of its slope have it.
-struct Usual<'a> {
+struct Usual {
     reach: Reach,
     /// Mass as before a column of cells, if one takes part.
     mass: f64,
-    /// The place of the wall in a cell and what is left of the errors there, where nothing but a column takes part.
-    left: Option<(usize, &'a Remainder)>,
 }
 
-impl<'a> Usual<'a> {
-    fn of(
-        walls: &WallCells,
-        load: &Load,
-        apertures: &'a Apertures,
-        footprints: &Footprints,
-    ) -> Self {
+impl Usual {
+    fn of(walls: &WallCells, load: &Load, apertures: &Apertures, footprints: &Footprints) -> Self {
         let share = share(load.nearest_axis().1);
         if share == 1.0 {
             return Self {
-                reach: footprints.at(walls, load, FRAME, None),
+                reach: footprints.at(walls, load, None),
                 mass: 0.0,
-                left: None,
             };
         }
         let column = Column::of(walls, load);
@@ -201,11 +170,10 @@ impl<'a> Usual<'a> {
             return Self {
                 reach,
                 mass: column_mass(load, aperture.mass),
-                left: Some(apertures.remainder(column.open)),
             };
         }
         // A part of both, as the operator has a part of what slanted walls ask for.
-        let mut mixed = footprints.at(walls, load, FRAME, Some(&reach));
+        let mut mixed = footprints.at(walls, load, Some(&reach));
         mixed.values_mut().for_each(|weight| *weight *= share);
         for (cell, weight) in reach {
             *mixed.entry(cell).or_default() += (1.0 - share) * weight;
@@ -213,13 +181,9 @@ impl<'a> Usual<'a> {
         Self {
             reach: mixed,
             mass: column_mass(load, aperture.mass),
-            left: None,
         }
     }
 }
-
-/// What branches are fitted to: the impedance, and the place of the wall where columns of cells serve it.
-type Fitted<'a> = (&'a Impedance, Option<usize>);
 
 /// Weights of cells by column and row.
 pub(super) type Reach = BTreeMap<[usize; 2], f64>;

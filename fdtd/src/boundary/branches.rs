@@ -1,37 +1,39 @@
-//! Impedances by branches of resistance, inertance and compliance, in steps.
+//! Time stepping of impedances by branches of resistance, inertance and compliance.
 //!
-//! A branch k has a velocity u (times `rho c`, in Pa) half a step before and after the pressure P at the surface, and a displacement `Q+ = Q + u+`
-//! (in steps) at the times of P. With `r = R/(rho c)`, `l = L/(rho c dt)`, `sigma = s dt/(rho c)` and the mean of three displacements,
-//! `(Q+ + 2 Q + Q-)/4 = Q + (u+ - u-)/4`,
+//! A branch k has a velocity u (times `rho c`, in Pa) half a step before and after the pressure P at the surface, and
+//! a displacement `Q+ = Q + u+` (in steps) at the times of P. With `r = R/(rho c)`, `l = L/(rho c dt)`,
+//! `sigma = s dt/(rho c)` and the mean of three displacements, `(Q+ + 2 Q + Q-)/4 = Q + (u+ - u-)/4`,
 //!
-//! `(l + sigma/4)(u+ - u-) + r (u+ + u-)/2 + sigma Q = P`, or, with `beta = 1/(l + sigma/4 + r/2)`, `u+ - u- = beta (P - r u- - sigma Q)`.
+//! `(l + sigma/4)(u+ - u-) + r (u+ + u-)/2 + sigma Q = P`, or, with `beta = 1/(l + sigma/4 + r/2)`,
+//! `u+ - u- = beta (P - r u- - sigma Q)`.
 //!
-//! That is the branch's impedance with `(2/dt) tan(omega dt/2)` in place of omega, times `cos(omega dt/2)`, which the weights before the surface make
-//! up for ([`super::aperture`]): positive for every r, l and sigma of 0 or more, so that the surface is passive with the mass of air that it has
-//! anyway ([`super::surface`]). All branches share this mass M, `P = T - M sum (u+ - u-)` with the sampled pressure T, and what they take together is
-//! known before each by itself:
+//! This is the impedance of the branch with `(2/dt) tan(omega dt/2)` in place of omega (the bilinear transform),
+//! times `cos(omega dt/2)`, which the weights before the surface compensate ([`super::axis_kernel`]). It is positive
+//! real for all r, l and sigma of 0 or more, so that the surface is passive with the mass of air that it has anyway
+//! ([`super::design`]). All branches share this mass M, `P = T - M sum (u+ - u-)` with the sampled pressure T, which
+//! can be solved in advance:
 //!
 //! `u+ - u- = beta/(1 + M sum beta) (T + M sum e) - e`, with `e = beta (r u- + sigma Q)` of each branch.
 //!
-//! No coefficient is more than 4 or 1/M, whatever the branches are: rounding stays small where they differ by many decades. `beta sigma Q` is kept
-//! in place of Q, which keeps still when there is no compliance; with one it is what restores, and cannot drift. Finite volumes
-//! with such walls: Bilbao, Hamilton, Botts and Savioja 2016.
+//! No coefficient exceeds 4 or 1/M, so that rounding errors stay small where branches differ by many decades. The
+//! state is `beta sigma Q` in place of Q: without a compliance it stays zero; with one it is restoring, and cannot
+//! drift. Finite volumes with such walls: Bilbao, Hamilton, Botts and Savioja 2016.
 
-use super::impedance::Branch;
+use crate::impedance::Branch;
 
-/// A branch over the air's impedance and the step.
+/// A branch in units of the characteristic impedance of the air and of the time step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reduced {
-    /// r.
+    /// `r = R/(rho c)`.
     pub(super) resistance: f64,
-    /// l.
+    /// `l = L/(rho c dt)`.
     pub(super) inertia: f64,
-    /// sigma.
+    /// `sigma = s dt/(rho c)`.
     pub(super) spring: f64,
 }
 
 impl Reduced {
-    /// For steps of `dt_s` in air of `rho c` in Pa s/m.
+    /// For steps of `dt_s` in air of a characteristic impedance `rho c` in Pa s/m.
     pub(super) fn new(branch: &Branch, characteristic_pasm: f64, dt_s: f64) -> Self {
         Self {
             resistance: branch.resistance_pasm / characteristic_pasm,
@@ -41,7 +43,7 @@ impl Reduced {
     }
 }
 
-/// Branches of a surface as steps take them.
+/// The branches of a surface, with the coefficients of their time stepping.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branches {
     /// Mass M of air before the surface.
@@ -61,13 +63,13 @@ struct Part {
 }
 
 impl Branches {
-    /// For a mass M of air before the surface.
+    /// For a mass M of air before the surface, in the unit of l.
     pub(super) fn new(mass: f64, branches: &[Reduced]) -> Self {
-        let yields: Vec<f64> = branches
+        let betas: Vec<f64> = branches
             .iter()
             .map(|branch| 1.0 / (branch.inertia + 0.25 * branch.spring + 0.5 * branch.resistance))
             .collect();
-        let all = 1.0 + mass * yields.iter().sum::<f64>();
+        let all = 1.0 + mass * betas.iter().sum::<f64>();
         let part = |(branch, beta): (&Reduced, &f64)| Part {
             damping: (beta * branch.resistance) as f32,
             spring: (beta * branch.spring) as f32,
@@ -75,17 +77,18 @@ impl Branches {
         };
         Self {
             mass: mass as f32,
-            parts: branches.iter().zip(&yields).map(part).collect(),
+            parts: branches.iter().zip(&betas).map(part).collect(),
         }
     }
 
-    /// Numbers that the field keeps: velocity and spring, `e` without its resistance, of each branch, in Pa.
+    /// Length of its state: velocity u and `beta sigma Q` of each branch, in Pa.
     pub(crate) fn memory(&self) -> usize {
         2 * self.parts.len()
     }
 
-    /// One step with the pressure `sampled` before the surface in Pa: the velocity before it less that after it, of all branches.
-    // Inlined: as a function of its own it would be compiled without fused multiply-adds.
+    /// Takes one step with the pressure `sampled` before the surface in Pa, and returns the velocity before the step
+    /// less that after it, summed over branches.
+    // Inlined: as a separate function it would be compiled without fused multiply-adds.
     #[inline(always)]
     pub(crate) fn step(&self, sampled: f32, memory: &mut [f32]) -> f32 {
         let mut drive = sampled;

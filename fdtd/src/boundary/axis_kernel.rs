@@ -1,58 +1,43 @@
-//! Which cells before a wall of an impedance take part in its reaction, and how much: walls along the axes, and nearly so.
+//! Weights before walls along the axes, and nearly so: the axis kernel.
 //!
-//! A surface samples the pressure with weights e of three cells along the grid's axis that is nearest to its normal, and of the cells beside one of
-//! them along the wall, and takes its flow from the same cells with the same weights: that keeps it passive (see [`super::surface`]). A plane wave in front of
-//! an axis-parallel wall meets, on the grid, a reflection factor of
+//! A surface samples the pressure with weights e of three cells along the grid axis nearest to its normal, and of the
+//! cells beside one of them along the wall. It takes its flow from the same cells with the same weights, which keeps
+//! it passive (see [`super::design`]). A plane wave before an axis-parallel wall meets, on the grid, the reflection
+//! factor
 //!
 //! `R = (z c - y + i X)/(z c + y + i X)`, `y = -chi s Im g`, `X = s m/chi + chi s Re g`, `g = e' (S - s^2)^-1 e`,
 //!
-//! with `z = Z/(rho c)`, `s = 2 sin(omega dt/2)`, `c = cos(omega dt/2)`, the Courant number chi, the scheme's operator S of the half-line with its rigid
-//! cut cell, waves going out, and the mass m before the surface in cell widths. `y = c/cos(angle)`, `X = 0` would be exact. One cell
-//! alone has its pressure half a cell from a wall on a cell border, where the wave is `cos(k dx/2)` of what it is at the wall; and the
-//! velocity, a mean of two half steps, is too small by c. Both grow with frequency squared, and are what is made up for here: the weights
-//! extrapolate to the wall, and a part `along` of the second difference along the wall follows the c of waves that run along it.
-//! Weights and mass are those with the least errors of the reflection factor (their eighth powers summed) over frequency, angle and impedance, found by
-//! a search without chance, once for each Courant number and for sixteen places of the wall in a cell.
+//! with `z = Z/(rho c)`, `s = 2 sin(omega dt/2)`, `c = cos(omega dt/2)`, the Courant number chi, the scheme's
+//! operator S of the half-line with its rigid cut cell and outgoing waves, and the mass m before the surface in cell
+//! widths. Exact would be `y = c/cos(angle)`, `X = 0`. Two errors grow with frequency squared: a single cell has its
+//! pressure half a cell from a wall on a cell border, where the wave is `cos(k dx/2)` of its value at the wall, and
+//! the velocity, a mean of two half steps, is too small by c. The weights compensate both: they extrapolate to the
+//! wall, and a part `along` of the second difference along the wall follows the factor c of waves that run along it.
+//! Weights and mass minimise the sum of the eighth powers of the errors of the reflection factor over frequency,
+//! angle and impedance, by a deterministic search, for each Courant number and for sixteen places of the wall in a
+//! cell.
 
-use super::half_line::Place;
+use super::band::BAND_EDGE;
+use super::half_line::{AxisWeights, Place};
 use crate::scheme::Polynomial;
-use std::f64::consts::TAU;
 
-/// Weights of a surface by the place of the wall.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Aperture {
-    /// Weights of the cell that the wall cuts and of the two behind it; they sum to one.
-    pub(super) weights: [f64; 3],
-    /// Weight of the cells beside the first one along the wall; it loses as much for each.
-    pub(super) along: f64,
-    /// Mass of air before the surface in cell widths.
-    pub(super) mass: f64,
-}
-
-/// Places of the wall in a cell for which weights are worked out.
+/// Number of places of the wall in a cell for which weights are tabulated.
 const PLACES: usize = 16;
 
-/// Wave number in radians per cell up to which the wide schemes are fitted: 11 kHz on the papers' grid. The 5-point scheme, whose own error of
-/// the group velocity is eight percent at 10 kHz, is fitted to half of it.
-pub(super) const BAND_EDGE: f64 = TAU * 11e3 / 340.0 * 0.005;
-
-/// Cosines of the angles of incidence: 0, 30, 60 and 75 degrees.
-pub(super) const COSINES: [f64; 4] = [1.0, 0.866, 0.5, 0.259];
-
-/// Impedances over that of air, times the cosine, at which the reflection factor is held against the exact one.
+/// Impedances over that of air, times the cosine, for which the error of the reflection factor is minimised.
 const RATIOS: [f64; 11] = [0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 3.0, 6.0, 20.0];
 
 /// Weights for all places of the wall, for one scheme at one Courant number.
 #[derive(Debug, Clone)]
-pub(super) struct Apertures {
-    /// From the wall on the cell's far border (the whole cell is open) to that on the near one, in sixteenths.
-    table: Vec<Aperture>,
-    /// Whether the third cell and those along the wall are left out, which the rows of a 5-point stencil do not reach.
+pub(super) struct AxisKernel {
+    /// From the wall on the cell's far border (the whole cell is open) to the wall on its near border, in sixteenths.
+    table: Vec<AxisWeights>,
+    /// Whether the third cell and those along the wall are left out, beyond the rows that a 5-point stencil reaches.
     narrow: bool,
 }
 
-impl Apertures {
-    /// Works them out.
+impl AxisKernel {
+    /// Searches for the weights of all places of the wall.
     pub(super) fn new(polynomial: &Polynomial) -> Self {
         let narrow = polynomial.square == 0.0;
         let free = [true, !narrow, !narrow, true];
@@ -64,12 +49,12 @@ impl Apertures {
             let places = Place::all(polynomial, open, edge);
             let given = [spare * open, spare, spare];
             x = search(x, free, |x| loss(&places, polynomial.courant, given, x));
-            Aperture::found(given, x)
+            weights_of(given, x)
         });
-        let mut table: Vec<Aperture> = table.collect();
-        // A wall that leaves nothing of the cell lies on the border of the next.
+        let mut table: Vec<AxisWeights> = table.collect();
+        // A wall that leaves nothing of the cell lies on the border of the next one.
         let [first, second, third] = table[0].weights;
-        table.push(Aperture {
+        table.push(AxisWeights {
             weights: if narrow {
                 [0.0, 1.0, 0.0]
             } else {
@@ -81,12 +66,14 @@ impl Apertures {
         Self { table, narrow }
     }
 
-    /// The weights where the wall leaves the part `open` of the first cell and its normal has the cosine `slope` to the axis.
+    /// The weights where the wall leaves the part `open` of the first cell and its normal has the cosine `slope` to
+    /// the axis.
     ///
-    /// Over all places the table is a kernel: the weight of a cell by its distance from the wall. Before a slanted wall the cells of a row are
-    /// closer together in this distance. The kernel gives their weights, times what keeps sum and second moment; and the mass changes by what lies between
-    /// the flows at these distances, `sum e_i e_j max(d_i, d_j)`.
-    pub(super) fn at(&self, open: f64, slope: f64) -> Aperture {
+    /// Over all places the table is a kernel: the weight of a cell by its distance from the wall. Before a slanted
+    /// wall the distances of the cells of a row differ by less. The kernel gives their weights, with a correction
+    /// that preserves sum and second moment; the mass changes by that of the air between the flows at these
+    /// distances, `sum e_i e_j max(d_i, d_j)`.
+    pub(super) fn at(&self, open: f64, slope: f64) -> AxisWeights {
         let upright = self.entry(open);
         let distances = [0.0, 1.0, 2.0].map(|i| (open - 0.5 + i) * slope);
         let kernel = distances.map(|d| slope * self.kernel(d));
@@ -102,16 +89,16 @@ impl Apertures {
         };
         let places = [0.0, 1.0, 2.0].map(|i| open - 0.5 + i);
         if self.narrow {
-            // Two cells: no more than their sum can be kept.
+            // With two cells only the sum can be preserved.
             let part = (1.0 - kernel[0] - kernel[1]) / (open + 1.0);
             let weights = [kernel[0] + part * open, kernel[1] + part, 0.0];
-            return Aperture {
+            return AxisWeights {
                 weights,
                 along: 0.0,
                 mass: upright.mass + between(weights, distances) - between(upright.weights, places),
             };
         }
-        // The least change that brings sum and second moment to those of the upright wall.
+        // The least change that gives the sum and second moment of the upright wall.
         let squares = distances.map(|d| d * d);
         let want = [
             1.0 - kernel.iter().sum::<f64>(),
@@ -125,17 +112,17 @@ impl Apertures {
             (m0 * want[1] - m2 * want[0]) / det,
         );
         let weights: [f64; 3] = std::array::from_fn(|i| kernel[i] + give[i] * (a + b * squares[i]));
-        // The cells of a row lie beside each other along a slanted wall too.
+        // The cells of a row are also spread along a slanted wall.
         let [first, second] = [1, 2].map(|power| moment(weights, [0.0, 1.0, 2.0], power));
         let wide = 0.5 * (1.0 - slope * slope) * (second - first * first);
-        Aperture {
+        AxisWeights {
             weights,
             along: (upright.along - wide).max(0.0),
             mass: upright.mass + between(weights, distances) - between(upright.weights, places),
         }
     }
 
-    /// Weight of a cell whose middle is so many cell widths from the wall.
+    /// Weight of a cell by the distance of its centre from the wall in cell widths.
     fn kernel(&self, distance: f64) -> f64 {
         let cell = (distance + 0.5).ceil() - 1.0;
         if (0.0..3.0).contains(&cell) {
@@ -145,15 +132,15 @@ impl Apertures {
         }
     }
 
-    /// The weights where the wall leaves the part `open` of the first cell, between two of the table.
-    fn entry(&self, open: f64) -> Aperture {
+    /// The weights where an upright wall leaves the part `open` of the first cell, interpolated in the table.
+    fn entry(&self, open: f64) -> AxisWeights {
         let last = self.table.len() - 1;
         let place = ((1.0 - open) * PLACES as f64).clamp(0.0, last as f64);
         let low = (place as usize).min(last - 1);
         let part = place - low as f64;
         let [one, other] = [self.table[low], self.table[low + 1]];
         let mix = |a: f64, b: f64| a + part * (b - a);
-        Aperture {
+        AxisWeights {
             weights: std::array::from_fn(|i| mix(one.weights[i], other.weights[i])),
             along: mix(one.along, other.along),
             mass: mix(one.mass, other.mass),
@@ -161,36 +148,36 @@ impl Apertures {
     }
 }
 
-impl Aperture {
-    /// That of the search's variables: what the first cell's weight has over one, the third, along the wall, and the mass, which
-    /// is what passivity asks for where that is more.
-    fn found(given: [f64; 3], x: [f64; 4]) -> Self {
-        Self {
-            weights: taps(x),
-            along: x[2],
-            mass: x[3].max(least_mass(given, x)),
-        }
+/// Weights by the variables of the search: excess of the first weight over one, third weight, weight along the wall,
+/// and mass, at least that of passivity.
+fn weights_of(given: [f64; 3], x: [f64; 4]) -> AxisWeights {
+    AxisWeights {
+        weights: taps(x),
+        along: x[2],
+        mass: x[3].max(least_mass(given, x)),
     }
 }
 
-/// Weights of the three cells by the search's variables.
+/// Weights of the three cells by the variables of the search.
 fn taps(x: [f64; 4]) -> [f64; 3] {
     [1.0 + x[0], -x[0] - x[1], x[1]]
 }
 
-/// The least mass that keeps the surface passive, from what the cells have to spare.
+/// The least mass with which the surface is passive, for the spare of the three cells ([`Polynomial::spare`] times
+/// area).
 fn least_mass(given: [f64; 3], x: [f64; 4]) -> f64 {
     let [first, second, third] = taps(x);
     let first = (first - 2.0 * x[2]).abs() + 2.0 * x[2].abs();
     first * first / given[0] + second * second / given[1] + third * third / given[2]
 }
 
-/// Sum of the eighth powers of the errors of the reflection factor: nearly their largest, but smooth. `given` is what the cells have to spare.
+/// Sum of the eighth powers of the errors of the reflection factor, a smooth substitute of their maximum. `given` is
+/// the spare of the three cells.
 fn loss(places: &[Place], courant: f64, given: [f64; 3], x: [f64; 4]) -> f64 {
-    let aperture = Aperture::found(given, x);
+    let weights = weights_of(given, x);
     let mut sum = 0.0;
     for place in places {
-        let [off, reactance] = place.off(courant, &aperture);
+        let [off, reactance] = place.off(courant, &weights);
         for q in RATIOS {
             let below = ((q + 1.0 - off).powi(2) + reactance.powi(2)) * (q + 1.0).powi(2);
             sum += (4.0 * ((q * off).powi(2) + reactance.powi(2)) / below).powi(4);
@@ -199,7 +186,8 @@ fn loss(places: &[Place], courant: f64, given: [f64; 3], x: [f64; 4]) -> f64 {
     sum
 }
 
-/// Minimum of a function of the coordinates that are `free`, along each and each two of them, in steps that are halved when none leads down.
+/// Minimum of a function of the coordinates that are `free`, by steps along each and each pair of them, halved when
+/// none decreases the function.
 fn search(mut x: [f64; 4], free: [bool; 4], loss: impl Fn([f64; 4]) -> f64) -> [f64; 4] {
     let mut best = loss(x);
     let mut step = 1.0 / 32.0;
@@ -213,7 +201,7 @@ fn search(mut x: [f64; 4], free: [bool; 4], loss: impl Fn([f64; 4]) -> f64) -> [
                 loop {
                     let mut next = x;
                     next[j] += other;
-                    // For a coordinate by itself the last two are the first two again.
+                    // For i = j the last two steps repeat the first two.
                     next[i] = x[i] + one;
                     let found = loss(next);
                     if found >= best {

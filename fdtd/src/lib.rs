@@ -1,6 +1,7 @@
 //! 2-D acoustic finite-difference time-domain simulation with perfectly matched layers, rigid walls and a moving
 //! source and receiver by the direct method.
 
+pub mod bessel;
 pub mod boundary;
 pub mod decimate;
 pub mod error;

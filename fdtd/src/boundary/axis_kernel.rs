@@ -18,7 +18,7 @@
 //! cell.
 
 use super::band::BAND_EDGE;
-use super::half_line::{AxisWeights, Place};
+use super::half_line::{AxisWeights, IncidentWave};
 use crate::scheme::Polynomial;
 
 /// Number of places of the wall in a cell for which weights are tabulated.
@@ -46,9 +46,9 @@ impl AxisKernel {
         let mut x = [0.0, 0.0, 0.0, 0.45];
         let table = (0..PLACES).map(|step| {
             let open = 1.0 - step as f64 / PLACES as f64;
-            let places = Place::all(polynomial, open, edge);
+            let waves = IncidentWave::all(polynomial, open, edge);
             let given = [spare * open, spare, spare];
-            x = search(x, free, |x| loss(&places, polynomial.courant, given, x));
+            x = search(x, free, |x| loss(&waves, polynomial.courant, given, x));
             weights_of(given, x)
         });
         let mut table: Vec<AxisWeights> = table.collect();
@@ -173,11 +173,11 @@ fn least_mass(given: [f64; 3], x: [f64; 4]) -> f64 {
 
 /// Sum of the eighth powers of the errors of the reflection factor, a smooth substitute of their maximum. `given` is
 /// the spare of the three cells.
-fn loss(places: &[Place], courant: f64, given: [f64; 3], x: [f64; 4]) -> f64 {
+fn loss(waves: &[IncidentWave], courant: f64, given: [f64; 3], x: [f64; 4]) -> f64 {
     let weights = weights_of(given, x);
     let mut sum = 0.0;
-    for place in places {
-        let [off, reactance] = place.off(courant, &weights);
+    for wave in waves {
+        let [off, reactance] = wave.off(courant, &weights);
         for q in RATIOS {
             let below = ((q + 1.0 - off).powi(2) + reactance.powi(2)) * (q + 1.0).powi(2);
             sum += (4.0 * ((q * off).powi(2) + reactance.powi(2)) / below).powi(4);

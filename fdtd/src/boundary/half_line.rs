@@ -16,7 +16,7 @@ pub(super) struct AxisWeights {
 }
 
 /// A plane wave before an axis-parallel wall on the grid.
-pub(super) struct Place {
+pub(super) struct IncidentWave {
     /// Factor `chi s cos(angle)/c` with which y and X are compared with 1 and 0.
     scale: f64,
     /// `4 sin^2(ky dx/2)`.
@@ -25,7 +25,7 @@ pub(super) struct Place {
     response: [[Complex<f64>; 3]; 3],
 }
 
-impl Place {
+impl IncidentWave {
     /// Waves at the quarters of a band up to the wave number `edge` (radians per cell) and all angles of [`COSINES`],
     /// before a wall that leaves the part `open` of the first cell.
     pub(super) fn all(polynomial: &Polynomial, open: f64, edge: f64) -> Vec<Self> {

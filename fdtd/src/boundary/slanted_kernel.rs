@@ -60,7 +60,7 @@ struct Wave {
 
 /// A cell of the box: distance from the wall, place along the wall from the middle of the surface (cell widths), open
 /// area.
-struct Place {
+struct BoxCell {
     cell: [usize; 2],
     distance: f64,
     along: f64,
@@ -86,7 +86,7 @@ impl SlantedKernel {
     /// Weights of the cells before a piece of surface. With the weights of a `column`, all of its cells and no other
     /// rows take part.
     pub(super) fn at(&self, walls: &WallCells, load: &Load, column: Option<&Reach>) -> Reach {
-        let places = self.places(walls, load, column);
+        let places = self.box_cells(walls, load, column);
         let waves = self.waves(load.normal);
         let mut ridge = FIT.ridge;
         loop {
@@ -101,7 +101,7 @@ impl SlantedKernel {
     }
 
     /// The cells of the box that are connected with the surface through open faces.
-    fn places(&self, walls: &WallCells, load: &Load, column: Option<&Reach>) -> Vec<Place> {
+    fn box_cells(&self, walls: &WallCells, load: &Load, column: Option<&Reach>) -> Vec<BoxCell> {
         let size = [CELLS, if self.narrow { 2 } else { CELLS }];
         let [nx, ny] = load.normal;
         let tangent = [ny, -nx];
@@ -147,7 +147,7 @@ impl SlantedKernel {
             let offset = [0, 1].map(|axis| cell[axis] as f64 - load.cell[axis] as f64);
             let dot = |to: [f64; 2]| offset[0] * to[0] + offset[1] * to[1];
             let opening = walls.opening(cell[0] as isize, cell[1] as isize);
-            Place {
+            BoxCell {
                 cell,
                 distance: load.distance + dot(load.normal),
                 along: dot(tangent) - middle,
@@ -218,7 +218,7 @@ fn middle(load: &Load) -> f64 {
 }
 
 /// Weights of places with the sum of the fit and the least squares over waves, with `ridge` as in [`Fit`].
-fn fit(places: &[Place], waves: &[Wave], ridge: f64) -> Vec<f64> {
+fn fit(places: &[BoxCell], waves: &[Wave], ridge: f64) -> Vec<f64> {
     let n = places.len();
     // Normal equations, with the sum as a constraint.
     let mut rows = vec![vec![0.0; n + 2]; n + 1];
@@ -237,10 +237,11 @@ fn fit(places: &[Place], waves: &[Wave], ridge: f64) -> Vec<f64> {
                 row[n + 1] += per * part * target;
             }
         };
-        let even = |place: &Place| (across * place.distance).cos() * (along * place.along).cos();
+        let even = |place: &BoxCell| (across * place.distance).cos() * (along * place.along).cos();
         add(places.iter().map(even).collect(), wave.target);
         if along > 0.0 {
-            let odd = |place: &Place| (across * place.distance).cos() * (along * place.along).sin();
+            let odd =
+                |place: &BoxCell| (across * place.distance).cos() * (along * place.along).sin();
             add(places.iter().map(odd).collect(), 0.0);
         }
     }

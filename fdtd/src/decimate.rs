@@ -1,5 +1,6 @@
 //! From the field's rate to the sampling rate of the microphone, without aliasing and without delay.
 
+use crate::bessel::i0;
 use crate::error::Error;
 use std::f64::consts::PI;
 
@@ -184,20 +185,8 @@ impl Kernel {
         } else {
             argument.sin() / argument
         };
-        sinc * bessel_i0(self.beta * (1.0 - edge * edge).sqrt())
+        sinc * i0(self.beta * (1.0 - edge * edge).sqrt())
     }
-}
-
-/// Modified Bessel function of order zero by its power series.
-fn bessel_i0(x: f64) -> f64 {
-    let quarter = 0.25 * x * x;
-    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
-    while term > 1e-16 * sum {
-        term *= quarter / (k * k);
-        sum += term;
-        k += 1.0;
-    }
-    sum
 }
 
 fn check(field_rate_hz: f64, sample_rate_hz: f64, band_hz: f64) -> Result<(), Error> {

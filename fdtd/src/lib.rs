@@ -1,12 +1,15 @@
 //! 2-D acoustic finite-difference time-domain simulation with perfectly matched layers, rigid walls and a moving
 //! source and receiver by the direct method.
 
+pub mod bessel;
+pub mod boundary;
 pub mod decimate;
 pub mod error;
 pub mod exact;
 pub mod field;
 pub mod grid;
 pub mod image_source;
+pub mod impedance;
 pub mod medium;
 pub mod motion;
 mod number;

@@ -1,5 +1,6 @@
 //! Spreading of a moving source onto the grid and interpolation at a moving receiver (the direct method).
 
+use crate::bessel::i0;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -196,19 +197,7 @@ fn kaiser(beta: f64, u: f64) -> f64 {
     if u.abs() >= 1.0 {
         return 0.0;
     }
-    bessel_i0(beta * (1.0 - u * u).sqrt())
-}
-
-/// Modified Bessel function of order zero, by its power series.
-fn bessel_i0(x: f64) -> f64 {
-    let quarter = 0.25 * x * x;
-    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
-    while term > 1e-17 * sum {
-        term *= quarter / (k * k);
-        sum += term;
-        k += 1.0;
-    }
-    sum
+    i0(beta * (1.0 - u * u).sqrt())
 }
 
 #[cfg(test)]

@@ -23,6 +23,7 @@ mod stencil;
 pub use fast::FastField;
 pub use reference::{PreciseField, ReferenceField};
 
+use crate::boundary::surfaces;
 use crate::grid::{Grid, Medium};
 use crate::number::Real;
 use crate::pml::Profile;
@@ -77,20 +78,17 @@ impl FieldSetup {
         );
         let weights = scheme.weights(courant);
         let polynomial = scheme.polynomial(courant);
+        let mut operator = WallOperator::new(walls, &weights, &polynomial, scheme.radius());
+        if !walls.loads().is_empty() {
+            operator.surfaces = surfaces(walls, &operator, grid, medium, scheme);
+        }
         Self {
             nx: grid.nx,
             ny: grid.ny,
             scheme,
             weights,
             layer: Profile::new(layer_cells, courant),
-            walls: WallOperator::new(walls, &weights, &polynomial, scheme.radius()).with_surfaces(
-                walls,
-                &weights,
-                &polynomial,
-                scheme.radius(),
-                grid.dt_s,
-                medium.rho_kgpm3 * medium.c_mps,
-            ),
+            walls: operator,
         }
     }
 }
@@ -142,7 +140,7 @@ pub struct FieldState {
     /// Memory of the layers along y: `[row of layer, 3, ix]`, rows of the low side first.
     pub layer_y: Vec<f32>,
     /// Velocity times `rho c` into surfaces that are not rigid, half a step before `pressure`, in Pa: one for each surface and row of the grid that it
-    /// takes its flow from. With branches velocity and spring of each of them, see [`crate::walls::Branches`].
+    /// takes its flow from. With branches velocity and spring of each of them, see [`crate::boundary::Branches`].
     pub surfaces: Vec<f32>,
 }
 

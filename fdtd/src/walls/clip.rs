@@ -1,10 +1,10 @@
-//! What convex shapes leave of lines and squares: exact, however the shapes overlap.
+//! Exact lengths and areas that a union of convex shapes leaves of lines and unit squares.
 //!
-//! Along a line the shapes are intervals, and the union of intervals counts nothing twice. The open length of a line through a
-//! cell is a linear function of the line's place between the places where a corner, a crossing of two edges or a crossing
-//! with the cell's border comes in, so that its values half way between those give the open area exactly.
+//! Along a line the shapes are intervals, whose union counts nothing twice. The open length of a line through a cell
+//! is a piecewise linear function of the line's place, with breaks at corners, crossings of two edges and crossings
+//! of an edge with the cell's border: its values half way between the breaks give the open area exactly.
 
-/// Beside a line by this many cells, a shape that touches the line covers it.
+/// Lines are cut at this distance to both sides, in cells, so that a shape that touches a line covers it.
 const BESIDE: f64 = 1e-7;
 
 /// A convex polygon in cells.
@@ -45,7 +45,7 @@ impl Convex {
         coordinates.fold(start, |[low, high], x| [low.min(x), high.max(x)])
     }
 
-    /// How the polygon lies to the unit square whose lower left corner is `[x, y]`.
+    /// How much the polygon covers of the unit square whose lower left corner is `[x, y]`.
     pub(super) fn covers(&self, [x, y]: [f64; 2]) -> Cover {
         let square = [[x, y], [x + 1.0, y], [x + 1.0, y + 1.0], [x, y + 1.0]];
         let apart = (0..2).any(|axis| {
@@ -70,8 +70,8 @@ impl Convex {
         if whole { Cover::Whole } else { Cover::Part }
     }
 
-    /// Of the edges that go through the unit square whose lower left corner is given, the least cosine between normal and nearest axis: how far the
-    /// most slanted one is from upright.
+    /// The least cosine between normal and nearest axis of the edges through the unit square whose lower left corner
+    /// is given; `None` when no edge passes through it.
     pub(super) fn slant_through(&self, corner: [f64; 2]) -> Option<f64> {
         let passes = |[p, q]: &[[f64; 2]; 2]| {
             // The part of the edge, from 0 to 1, that is between the square's sides along both axes.
@@ -103,7 +103,7 @@ impl Convex {
     }
 }
 
-/// How much of a square a polygon covers.
+/// Cover of a square by a polygon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Cover {
     /// Nothing.
@@ -114,7 +114,7 @@ pub(super) enum Cover {
     Whole,
 }
 
-/// What `intervals` leave of `low..low + 1`.
+/// Length that the union of `intervals` leaves of `low..low + 1`.
 fn left_of(intervals: impl Iterator<Item = [f64; 2]>, low: f64) -> f64 {
     let mut intervals: Vec<[f64; 2]> = intervals.collect();
     intervals.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -126,7 +126,7 @@ fn left_of(intervals: impl Iterator<Item = [f64; 2]>, low: f64) -> f64 {
     snapped(open + (low + 1.0 - reached).max(0.0))
 }
 
-/// Without what rounding adds to nothing or takes from all.
+/// A fraction, with values within rounding of 0 or 1 replaced by these.
 fn snapped(part: f64) -> f64 {
     match part {
         ..1e-6 => 0.0,
@@ -135,7 +135,8 @@ fn snapped(part: f64) -> f64 {
     }
 }
 
-/// What the union of `shapes` leaves of the face on the line where coordinate `axis` is `at`, from `low` to `low + 1` along it.
+/// Length that the union of `shapes` leaves of the face on the line where coordinate `axis` is `at`, from `low` to
+/// `low + 1`.
 pub(super) fn open_face(shapes: &[&Convex], axis: usize, at: f64, low: f64) -> f64 {
     let sides = [at - BESIDE, at + BESIDE];
     let intervals = shapes
@@ -144,7 +145,7 @@ pub(super) fn open_face(shapes: &[&Convex], axis: usize, at: f64, low: f64) -> f
     left_of(intervals.flatten(), low)
 }
 
-/// What the union of `shapes` leaves of the unit square whose lower left corner is `[x, y]`.
+/// Area that the union of `shapes` leaves of the unit square whose lower left corner is `[x, y]`.
 pub(super) fn open_area(shapes: &[&Convex], [x, y]: [f64; 2]) -> f64 {
     let mut places = vec![y, y + 1.0];
     let edges: Vec<[[f64; 2]; 2]> = shapes.iter().flat_map(|shape| shape.edges()).collect();

@@ -1,46 +1,38 @@
-//! Walls: polylines with a thickness, and what they leave of the grid's cells.
+//! Rigid walls: polylines with a thickness, the grid cells that they leave, and the wave operator near them.
 //!
-//! * `wall`: a wall as drawn;
-//! * `rasterize`: whole solid cells, a staircase where the wall is slanted;
-//! * `cut` (with `clip`): cells that keep the part that walls leave open;
-//! * `faces`: weights of faces, and where walls of an impedance have their surface;
-//! * `openings`: what all of it gives to the field; [`operator`] (with `patch`): the field's rows near walls;
-//! * `reached`: which walls sound from a place can meet;
-//! * `impedance`: what the surface of a wall may be; `branches`: one of resistances, inertances and compliances, in steps; `fit` (with `linear`):
-//!   which of these;
-//! * `surface`: what surfaces of an impedance do to the field; `column` with `aperture` (and `half_line`), and `footprint`: through which cells, before
-//!   walls along the axes and others; `inertance`, `spring`: with how much mass; `commensurate`: both by an exact analysis where a wall repeats along
-//!   itself; `slant`: what the operator does differently in cells that slanted ones cut.
+//! Each file depends on files above it only:
+//! * `wall`: geometry of a wall;
+//! * `rasterize`: the mask of solid cells, by cell centres;
+//! * `clip`: exact areas and lengths that convex shapes leave of cells and faces;
+//! * `face_weights`: open parts of faces, and the weights that stability leaves them;
+//! * `load`: pieces of surface of walls that carry an impedance (geometry only: [`crate::boundary`] designs their
+//!   reaction);
+//! * `slant`: changes of the operator in cells that slanted walls cut;
+//! * `wall_cells`: all walls of a grid as cells;
+//! * `cut_cells`, `staircase`: the two ways to get there; `model` chooses one;
+//! * `reached`: walls that sound from a given place can meet;
+//! * `patch`, [`operator`]: rows of the wave operator near walls.
 
-mod aperture;
-mod branches;
 mod clip;
-mod column;
-mod commensurate;
-mod cut;
-mod faces;
-mod fit;
-mod footprint;
-mod half_line;
-mod impedance;
-mod inertance;
-mod linear;
+mod cut_cells;
+mod face_weights;
+mod load;
 mod model;
-mod openings;
 pub mod operator;
 mod patch;
 mod rasterize;
 mod reached;
-mod slant;
-mod spring;
-mod surface;
+pub(crate) mod slant;
+mod staircase;
 mod wall;
+mod wall_cells;
 
-pub use branches::Branches;
-pub use cut::cut;
-pub use impedance::{Branch, Impedance};
+// The engines import these from here.
+pub use crate::boundary::{Reaction, Surface};
+pub use crate::impedance::{Branch, Impedance};
+pub use cut_cells::cut;
+pub use load::Load;
 pub use model::WallModel;
-pub use openings::{Load, Opening, WallCells};
 pub use rasterize::{SolidMask, cell_at, cell_centre_m, rasterize};
-pub use surface::{Reaction, Surface};
 pub use wall::Wall;
+pub use wall_cells::{Opening, WallCells};

@@ -1,7 +1,9 @@
-//! How walls become cells.
+//! Choice between the two representations of walls on the grid.
 
-use super::faces::staircase;
-use super::{Wall, WallCells, cut};
+use super::cut_cells::cut;
+use super::staircase::staircase;
+use super::wall::Wall;
+use super::wall_cells::WallCells;
 use crate::grid::Grid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

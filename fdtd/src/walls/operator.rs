@@ -1,20 +1,24 @@
 //! The wave operator near rigid walls, as sparse corrections to the plain stencil.
 //!
-//! A rigid wall closes faces of the second differences `A` and `B` or parts of them (no flow through the wall): `A` is
-//! `-V^-1 D' a D` with the open areas `V` of the cells and the weights `a` of the faces. The scheme's polynomial in the masked `A` and
-//! `B` is symmetric and negative semidefinite in the inner product weighted with `V`, whatever the walls' shape; here its rows near walls
-//! are worked out once and stored as differences to the plain stencil. Solid cells hold zero pressure, so the plain
-//! stencil sees nothing beyond the wall; next to whole cells few entries per row differ.
+//! A rigid wall closes faces of the second differences `A` and `B` or parts of them (no flow through the wall): `A`
+//! is `-V^-1 D' a D` with the open areas `V` of the cells and the weights `a` of the faces. The scheme's polynomial
+//! in the masked `A` and `B` is symmetric and negative semidefinite in the inner product weighted with `V`, whatever
+//! the shape of the walls. Its rows near walls are computed once and stored as differences to the plain stencil.
+//! Solid cells hold zero pressure, so that the plain stencil reads nothing beyond the wall; next to whole cells few
+//! entries per row differ.
 
-use super::inertance::Row;
 use super::patch::{Patch, REACH, Values, WIDTH};
-use super::surface::{Surface, surfaces};
-use super::{SolidMask, WallCells};
+use super::rasterize::SolidMask;
+use super::wall_cells::WallCells;
+use crate::boundary::Surface;
 use crate::scheme::{Polynomial, Weights};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// One cell next to a wall and the entries that its row has beside the plain stencil.
+/// A row of the operator over the Courant number squared: offsets `[dx, dy]` and weights.
+pub(crate) type Row = Vec<([isize; 2], f64)>;
+
+/// A cell near a wall and the difference of its row to the plain stencil.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correction {
     /// Column of the cell.
@@ -30,12 +34,13 @@ pub struct WallOperator {
     pub corrections: Vec<Vec<Correction>>,
     /// Columns of the solid cells by row, in increasing order.
     pub solid: Vec<Vec<usize>>,
-    /// Surfaces that are not rigid by row of the cells that they take their flow from.
+    /// Surfaces of an impedance ([`crate::boundary::surfaces`]) by row of the cells that they take their flow from.
     pub surfaces: Vec<Vec<Surface>>,
 }
 
 impl WallOperator {
-    /// Works out the rows near `walls` for a scheme with `weights`, the rounded ones of `polynomial`, and stencil `radius` (1 to 3).
+    /// The rows near `walls` for a scheme with `weights`, the rounded ones of `polynomial`, and stencil `radius` (1
+    /// to 3). Without surfaces of an impedance.
     pub fn new(
         walls: &WallCells,
         weights: &Weights,
@@ -70,42 +75,15 @@ impl WallOperator {
         operator
     }
 
-    /// With the surfaces of `walls` that are not rigid, for a scheme with `weights` and stencil `radius`, the Courant number of `polynomial`, steps
-    /// of `dt_s` and the characteristic impedance `rho c` of the air in Pa s/m.
-    #[must_use]
-    pub fn with_surfaces(
-        mut self,
-        walls: &WallCells,
+    /// The rows of the operator over the Courant number squared, as a function of the column and row of a fluid cell;
+    /// all other arguments as for [`Self::new`].
+    pub(crate) fn rows<'a>(
+        &'a self,
+        walls: &'a WallCells,
         weights: &Weights,
         polynomial: &Polynomial,
         radius: usize,
-        dt_s: f64,
-        characteristic_pasm: f64,
-    ) -> Self {
-        let rows_of = |walls: &WallCells| -> Box<dyn Fn([usize; 2]) -> Row> {
-            let operator = Self::new(walls, weights, polynomial, radius);
-            Box::new(operator.rows(walls.clone(), weights, polynomial, radius))
-        };
-        let surfaces = surfaces(
-            walls,
-            &rows_of,
-            polynomial,
-            radius,
-            dt_s,
-            characteristic_pasm,
-        );
-        self.surfaces = surfaces;
-        self
-    }
-
-    /// Rows of the operator over the Courant number squared, of cells that hold air.
-    pub(super) fn rows(
-        self,
-        walls: WallCells,
-        weights: &Weights,
-        polynomial: &Polynomial,
-        radius: usize,
-    ) -> impl Fn([usize; 2]) -> Row + use<> {
+    ) -> impl Fn([usize; 2]) -> Row + use<'a> {
         let plain = Patch::open().operator_row(weights);
         let (reach, linear) = (radius as isize, polynomial.linear);
         move |[ix, iy]| {
@@ -139,7 +117,7 @@ impl WallOperator {
         &solid[first..first + count]
     }
 
-    /// How many numbers the field keeps of surfaces.
+    /// Length of the field's memory of surfaces.
     pub fn surface_count(&self) -> usize {
         let surfaces = self.surfaces.iter().flatten();
         surfaces.map(Surface::memory_count).sum()
@@ -160,8 +138,8 @@ impl WallOperator {
 
 /// Entries in which a row differs from the plain stencil, on fluid cells inside the grid only.
 ///
-/// They are rounded to the weights' quantum, and the cell's own entry makes the row sum to exactly zero: what the areas and faces of
-/// cut cells are must not make a constant pressure move.
+/// They are rounded to the quantum of the weights, and the entry of the cell itself makes the row sum to exactly
+/// zero, so that a constant pressure stays constant.
 fn difference(
     patch: &Patch,
     mask: &SolidMask,
@@ -208,7 +186,7 @@ fn difference(
     entries
 }
 
-/// Cells whose stencil can feel a cell that is not whole.
+/// Cells whose stencil reaches a cell that is not whole.
 fn near_walls(walls: &WallCells, radius: usize) -> Vec<bool> {
     let mask = walls.solid();
     let (nx, ny, r) = (mask.nx as isize, mask.ny as isize, radius as isize);

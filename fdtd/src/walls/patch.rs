@@ -1,25 +1,26 @@
-//! A row of the wave operator, worked out in a small piece of grid around its cell.
+//! A row of the wave operator, computed in a small piece of grid around its cell.
 
 use super::slant::place_in;
-use super::{Opening, WallCells};
+use super::wall_cells::{Opening, WallCells};
 use crate::scheme::Weights;
 
-/// Half width of the patch in which a row of the operator is worked out; a scheme of radius three needs three cells and
-/// their faces.
+/// Half width of a patch in cells; a scheme of radius three needs three cells and their faces.
 pub(super) const REACH: isize = 4;
+/// Width of a patch in cells.
 pub(super) const WIDTH: usize = 2 * REACH as usize + 1;
 
+/// Numbers by cell of a patch, `[y][x]`.
 pub(super) type Values = [[f64; WIDTH]; WIDTH];
 
-/// A small piece of grid around a cell, and what walls leave of it.
+/// Open areas and face weights in a small piece of grid around a cell.
 pub(super) struct Patch {
     /// Open area of each cell; 0 in solid ones.
     pub(super) area: Values,
     west: Values,
     south: Values,
-    /// How much of the square of A - B slanted walls leave out ([`super::slant`]).
+    /// Share of the square of A - B that is left out at slanted walls ([`super::slant`]).
     slanted: Values,
-    /// Pairs of cells `[x, y]` with a way between them, and its weight.
+    /// Bridges past small cells: the pairs of cells `[x, y]` that they join, and weights.
     bridges: Vec<([[usize; 2]; 2], f64)>,
 }
 
@@ -36,7 +37,8 @@ impl Patch {
         }
     }
 
-    /// Around a cell; what lies outside the grid is open, as the plain stencil has it.
+    /// Around a cell, for a scheme with `spare` ([`crate::scheme::Polynomial::spare`]). Outside the grid everything
+    /// is open, as for the plain stencil.
     pub(super) fn around(walls: &WallCells, [ix, iy]: [usize; 2], spare: f64) -> Self {
         let mut patch = Self::open();
         for y in 0..WIDTH {
@@ -57,7 +59,7 @@ impl Patch {
         }
         let first = [ix, iy].map(|at| at as isize - REACH);
         for (ends, weight) in walls.bridges(first, WIDTH, spare) {
-            // Those that reach beyond the patch are too far away for the row.
+            // Bridges across the rim of the patch do not reach the row.
             if let [Some(end), Some(other)] = ends.map(|end| place_in(end, WIDTH)) {
                 patch.bridges.push(([end, other], weight));
             }
@@ -65,7 +67,7 @@ impl Patch {
         patch
     }
 
-    /// What the bridges add to `A u + B u`.
+    /// Contribution of the bridges to `A u + B u`.
     fn bridged(&self, u: &Values) -> Values {
         let mut out = [[0.0; WIDTH]; WIDTH];
         for &([[x, y], [to_x, to_y]], weight) in &self.bridges {
@@ -76,7 +78,7 @@ impl Patch {
         out
     }
 
-    /// `(A - B) (1 - Q) (A - B) u` with 1 - Q the shares of [`super::slant`], from `a = A u` and `b = B u`.
+    /// `(A - B) (1 - Q) (A - B) u` with the shares 1 - Q of [`super::slant`], from `a = A u` and `b = B u`.
     fn left_out(&self, a: &Values, b: &Values) -> Values {
         let mut between = combine(&[(1.0, a), (-1.0, b)]);
         for (value, slanted) in (between.iter_mut().flatten()).zip(self.slanted.iter().flatten()) {
@@ -113,8 +115,8 @@ impl Patch {
         out
     }
 
-    /// Row of the operator at the patch's centre: what a unit pressure there does, turned around by the symmetry of
-    /// the operator in the inner product of the areas.
+    /// Row of the operator at the centre of the patch: the response to a unit pressure there, transposed by the
+    /// symmetry of the operator in the inner product of the areas.
     pub(super) fn operator_row(&self, weights: &Weights) -> Values {
         let mut unit = [[0.0; WIDTH]; WIDTH];
         unit[REACH as usize][REACH as usize] = 1.0;
@@ -164,6 +166,7 @@ impl Patch {
     }
 }
 
+/// Sum of factors times values.
 fn combine(terms: &[(f64, &Values)]) -> Values {
     let mut out = [[0.0; WIDTH]; WIDTH];
     for (factor, values) in terms {

@@ -1,6 +1,6 @@
-//! From walls in metres to solid cells and back.
+//! Solid cells of walls by cell centres, and conversion between points and cells.
 
-use super::Wall;
+use super::wall::Wall;
 use crate::grid::Grid;
 use std::ops::Range;
 
@@ -51,8 +51,8 @@ impl SolidMask {
 
 /// The solid cells of `walls`: those whose centre lies in one of them. Parts of walls outside the grid are left out.
 ///
-/// A wall at least two cells thick is tight, also against diagonal steps: a strip of that width cannot be crossed without
-/// meeting a cell centre within it.
+/// A wall at least two cells thick is tight, also against diagonal steps: a strip of that width cannot be crossed
+/// without meeting a cell centre within it.
 pub fn rasterize(grid: &Grid, walls: &[Wall]) -> SolidMask {
     let mut mask = SolidMask::open(grid.nx, grid.ny);
     for wall in walls {

@@ -1,16 +1,17 @@
-//! Which walls sound from a place can meet: what lies deeper in them or beyond closed ones cannot matter, and need not be simulated.
+//! Walls that sound from given cells can meet. Cells deeper in walls or beyond closed walls need not be simulated.
 
-use super::WallCells;
-use super::openings::bounds;
+use super::wall_cells::{WallCells, bounds};
 
-/// How far from the air, in cells along either axis, a wall takes part in what sound does: the widest stencil's reach, and one more.
+/// Depth in cells along either axis to which the cells of a wall affect the air: the reach of the widest stencil, and
+/// one more.
 const DEPTH: usize = 4;
 
 impl WallCells {
-    /// Lowest and highest column and row of the cells of walls, down to [`DEPTH`], that sound from these cells can come to; `None` when it meets
-    /// no wall. Cells that are solid or beyond the grid send nothing out; when all are, all walls count.
+    /// Lowest and highest column and row of the cells of walls, down to [`DEPTH`], that sound from the cells `from`
+    /// can reach; `None` when it reaches no wall. Solid cells and cells beyond the grid emit nothing; when all are
+    /// such, all walls count.
     ///
-    /// Sound is taken to pass every face between two cells that are not solid, which it does at most.
+    /// Sound is assumed to pass every face between two cells that are not solid: an upper bound.
     pub fn extent_met(&self, from: &[[usize; 2]]) -> Option<[[usize; 2]; 2]> {
         let [nx, ny] = self.size();
         let mut reached = vec![false; nx * ny];
@@ -62,7 +63,7 @@ fn widened(mask: &[bool], nx: usize) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::SolidMask;
+    use super::super::rasterize::SolidMask;
     use super::*;
 
     /// A ring of solid cells 10 thick around air at 30..50 x 20..40, in 100 x 80 cells.
@@ -88,7 +89,7 @@ mod tests {
         assert_eq!(ring.extent_met(&[[40, 30]]), Some([[26, 16], [53, 43]]));
         assert_eq!(ring.extent_met(&[[0, 0]]), Some([[20, 10], [59, 49]]));
         assert_eq!(ring.extent_met(&[[40, 30], [70, 60]]), ring.extent());
-        // Nothing is known of a start inside a wall or beyond the grid.
+        // From inside a wall or beyond the grid alone, all walls count.
         assert_eq!(ring.extent_met(&[[25, 15], [100, 3]]), ring.extent());
         assert_eq!(WallCells::open(9, 9).extent_met(&[[4, 4]]), None);
     }

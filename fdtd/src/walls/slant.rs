@@ -1,103 +1,79 @@
-//! What keeps waves along a slanted wall right, wherever it cuts the cells.
+//! Changes of the wave operator in cells that slanted walls cut, so that waves along a wall keep their phase wherever
+//! the wall cuts the cells.
 //!
-//! Two things give waves before a rigid wall of 45 degrees another phase from place to place: by 0.2 (m13, o13, d25) where it is met at 45 degrees at
-//! 10 kHz on the papers' grid, by 0.4 at 60. With both mended 0.018 and 0.035 are left (d25, whose cubes stay as they are, 0.05 and 0.1), by an
-//! analysis of the step along such a wall.
+//! *Small cells lack face area.* A triangle that a wall leaves of a cell has one open face along x and one along y,
+//! and stability allows each less weight than its open part ([`super::cut_cells`]). That reduces the flow towards the
+//! wall, which is small, but also the flow along the wall, which enters by one face and leaves by the other. A
+//! [`Bridge`] between the two neighbours restores the difference: two faces in series of weights a and b pass
+//! `a b/(a + b)`.
 //!
-//! *Small cells are short of faces.* A corner that a wall cuts off has one face along x and one along y, and less of each than is open, for the
-//! spectrum's sake ([`super::cut`]). That takes from the flow towards the wall, which the wall stops anyway, but from that along the wall too, which
-//! comes in by one face and goes out by the other. A [`Bridge`] between the two cells beside gives back what is missing: two faces in a row of
-//! weights a and b pass `a b/(a + b)`.
-//!
-//! *A and B are large where only their sum is small.* Before a slanted wall the pressure changes along both axes, though not along the normal, and in a cut
-//! cell A and B each see the wall as the end of that change: they grow as the cells shrink. The wide schemes have
-//! `b (A^2 + B^2) + m (AB + BA)/2 = (b/2 + m/4) (A + B)^2 + (b/2 - m/4) (A - B)^2`, and the last square makes of it a reactance along the wall. In cut
-//! cells it is left out: `(A - B) Q (A - B)` with Q zero there is symmetric still, and between nothing and the whole square, so that the bounds of the
-//! spectrum hold ([`crate::scheme::Polynomial`]).
+//! *A and B are large where their sum is small.* Before a slanted wall the pressure varies along both axes, and in a
+//! cut cell A and B each see the wall as the end of that variation: they grow as cells shrink. The wide schemes have
+//! `b (A^2 + B^2) + m (AB + BA)/2 = (b/2 + m/4) (A + B)^2 + (b/2 - m/4) (A - B)^2`, whose last square acts as a
+//! reactance along the wall. It is left out in cut cells: `(A - B) Q (A - B)` with Q zero there is still symmetric
+//! and between zero and the full square, so that the bounds of the spectrum hold ([`crate::scheme::Polynomial`]).
 
+use super::face_weights::FaceWeights;
 use std::collections::BTreeMap;
 
-use super::WallCells;
-use super::faces::Openings;
-use super::surface::LEAST_SLOPE;
+/// Cosine of the angle between normal and nearest axis above which a wall counts as parallel to the axis (18 degrees).
+pub(crate) const LEAST_SLOPE: f64 = 0.95;
 
-/// A way past a small cell, from its neighbour along x to that along y.
+/// Angle between normal and nearest axis in degrees from which on a wall is treated as slanted throughout; between
+/// [`LEAST_SLOPE`] and this angle the changes are blended in.
+const WHOLLY_DEG: f64 = 20.0;
+
+/// A connection past a small cell, from its neighbour along x to its neighbour along y.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bridge {
-    /// On which side the neighbours lie, along x and along y: -1 or 1.
+    /// Sides on which the neighbours lie, along x and along y: -1 or 1.
     pub(super) sides: [isize; 2],
-    /// Weight, as those of faces.
+    /// Weight, in the unit of face weights.
     pub(super) weight: f64,
 }
 
 impl Bridge {
-    /// The two cells that it joins, of the small cell at a place.
-    fn ends(&self, [x, y]: [isize; 2]) -> [[isize; 2]; 2] {
+    /// The two cells that it joins, from the place of the small cell.
+    pub(super) fn ends(&self, [x, y]: [isize; 2]) -> [[isize; 2]; 2] {
         [[x + self.sides[0], y], [x, y + self.sides[1]]]
     }
 
-    /// The weight that the step bears. A bridge adds at most twice its weight in each of its cells, and a cell has two along a wall and four at most.
-    /// So they stay within half of what the bound leaves of 4 ([`crate::scheme::Polynomial::spare`]) along a wall, and within all of it anywhere.
-    fn borne(&self, spare: f64, areas: [f64; 2]) -> f64 {
+    /// The weight within the stability limit, for cells of the given areas and a `spare` as in
+    /// [`crate::scheme::Polynomial::spare`]. A bridge adds at most twice its weight in each of its cells, and a cell
+    /// has two bridges along a wall and four at most: bridges take up half of the spare along a wall, and all of it
+    /// at most.
+    pub(super) fn stable_weight(&self, spare: f64, areas: [f64; 2]) -> f64 {
         self.weight.min(spare * areas[0].min(areas[1]) / 8.0)
     }
 }
 
-/// Place in a window of so many cells along a side, if it is in it.
-pub(super) fn place_in([x, y]: [isize; 2], width: usize) -> Option<[usize; 2]> {
+/// A place in a window of `width` cells along a side, if it lies within.
+pub(crate) fn place_in([x, y]: [isize; 2], width: usize) -> Option<[usize; 2]> {
     let within = |at: isize| usize::try_from(at).ok().filter(|&at| at < width);
     Some([within(x)?, within(y)?])
 }
 
-impl WallCells {
-    /// Bridges past the cells of a window that begins at `first`, `width` cells along a side: places of their ends in the window, where they may lie
-    /// just outside, and weights that a step bears whose bound leaves `spare`.
-    pub(super) fn bridges(
-        &self,
-        first: [isize; 2],
-        width: usize,
-        spare: f64,
-    ) -> Vec<([[isize; 2]; 2], f64)> {
-        let area = |[x, y]: [isize; 2]| {
-            let opening = self.opening(first[0] + x, first[1] + y);
-            opening.map_or(1.0, |opening| opening.area)
-        };
-        let places = (0..width as isize).flat_map(|y| (0..width as isize).map(move |x| [x, y]));
-        places
-            .filter_map(|[x, y]| {
-                let bridge = self.slant(first[0] + x, first[1] + y)?.bridge?;
-                let ends = bridge.ends([x, y]);
-                Some((ends, bridge.borne(spare, ends.map(area))))
-            })
-            .collect()
-    }
-}
-
-/// What a slanted wall changes in a cell that it cuts.
+/// Changes in a cell that a slanted wall cuts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Slant {
-    /// How much of the square of A - B is left out, 0 to 1.
+    /// Share of the square of A - B that is left out, 0 to 1.
     pub(super) share: f64,
-    /// The way past the cell, if it is a small one.
+    /// The bridge past the cell, if a wall leaves a triangle of it.
     pub(super) bridge: Option<Bridge>,
 }
 
 /// Slants by the cells' index `iy nx + ix`.
 pub(super) type Slants = BTreeMap<usize, Slant>;
 
-/// Angle between normal and axis in degrees from which on all of it is done; from where columns of cells end ([`LEAST_SLOPE`]) up to there it comes
-/// in gradually.
-const WHOLLY_DEG: f64 = 20.0;
-
-/// How much of it is done where an edge has this cosine between normal and axis.
-pub(super) fn share(cosine: f64) -> f64 {
+/// Share of the changes for a wall with this cosine between normal and nearest axis, 0 to 1.
+pub(crate) fn share(cosine: f64) -> f64 {
     let degrees = |cosine: f64| cosine.min(1.0).acos().to_degrees();
     let first = degrees(LEAST_SLOPE);
     ((degrees(cosine) - first) / (WHOLLY_DEG - first)).clamp(0.0, 1.0)
 }
 
-/// Of all cells, those that slanted walls cut.
-pub(super) fn slants(open: &Openings<'_>) -> Slants {
+/// The cells that slanted walls cut.
+pub(super) fn slants(open: &FaceWeights<'_>) -> Slants {
     let slant = |(&cell, &area): (&usize, &f64)| {
         let [ix, iy] = [cell % open.solid.nx, cell / open.solid.nx];
         let shapes = open.near[&cell].iter();
@@ -113,7 +89,7 @@ pub(super) fn slants(open: &Openings<'_>) -> Slants {
 }
 
 /// The bridge past a cell of which a wall leaves a triangle.
-fn bridge(open: &Openings<'_>, [ix, iy]: [isize; 2]) -> Option<Bridge> {
+fn bridge(open: &FaceWeights<'_>, [ix, iy]: [isize; 2]) -> Option<Bridge> {
     // The only open face along an axis: its side, open part and weight.
     let only = |axis: usize| {
         let next = [(ix + 1, iy), (ix, iy + 1)][axis];
@@ -126,10 +102,10 @@ fn bridge(open: &Openings<'_>, [ix, iy]: [isize; 2]) -> Option<Bridge> {
         }
     };
     let (x, y) = (only(0)?, only(1)?);
-    let in_a_row = |a: f64, b: f64| a * b / (a + b);
-    // Half of the rectangle of its sides, and not much more.
+    let in_series = |a: f64, b: f64| a * b / (a + b);
+    // A triangle has half the area of the rectangle of its sides.
     let is_triangle = open.area(ix, iy) < 0.75 * x.1 * y.1;
-    let weight = in_a_row(x.1, y.1) - in_a_row(x.2, y.2);
+    let weight = in_series(x.1, y.1) - in_series(x.2, y.2);
     (is_triangle && weight > 0.0).then_some(Bridge {
         sides: [x.0, y.0],
         weight,

@@ -1,8 +1,9 @@
 //! A wall as drawn: a polyline with a thickness.
 
-use super::Impedance;
+use crate::impedance::Impedance;
 
-/// A wall, rigid or of an impedance: every point within half the thickness beside one of its segments, and round joints where segments meet.
+/// A wall, rigid or of an impedance: all points within half the thickness beside one of its segments, and round
+/// joints where segments meet.
 ///
 /// The ends are cut square, so a wall is as long as its points say. Give the first point again at the end to close it.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,7 +12,7 @@ pub struct Wall {
     pub points_m: Vec<[f64; 2]>,
     /// Thickness in metres, across the middle line.
     pub thickness_m: f64,
-    /// Ratio of pressure and velocity into the wall at its surface, which reacts locally; `None` is rigid.
+    /// Impedance of its surface, which reacts locally; `None` is rigid.
     pub impedance: Option<Impedance>,
 }
 
@@ -89,7 +90,7 @@ impl Wall {
 
 /// Whether a point lies beside the segment and within `half_m` of its line; rims belong to the rectangle.
 fn in_rectangle(point: [f64; 2], [from, to]: [[f64; 2]; 2], half_m: f64) -> bool {
-    // Far below any cell: a rim that is meant to run through cell centres must not depend on the last bit.
+    // Far below any cell width: a rim through cell centres must not depend on the last bit.
     const RIM_M: f64 = 1e-9;
     let length = distance(from, to);
     if length == 0.0 {

@@ -1,36 +1,33 @@
-//! The mass that a surface needs to be passive, from the springs that the air before it bears.
+//! Passivity: the least mass of a surface with which no wall makes energy.
 //!
-//! `chi^2 sum l (f.p)^2/m` over all surfaces must not be more than what the rigid operator leaves of 4 (see [`super::surface`]). That is at least
-//! the form `H = chi^2 [spare V + smooth (8 V - V P - V Q)]` of [`Polynomial::slack`], less the bridges of [`super::slant`]: much for smooth fields, which the weights f sample, and little for
-//! the checkerboard, which they do not. By `G = sum chi^2 f' H^-1 f` between two surfaces it is enough that `m >= sum l |G|` for each, summed over all others and
-//! itself (Gershgorin's circles of the matrix of G, scaled with the lengths). `y = H^-1 f` is worked out by conjugate gradients in a
-//! window around the surface: it falls by four from cell to cell, so that what the window leaves out is far below the hundredth that is added.
+//! `chi^2 sum l (f.p)^2/m` over all surfaces must not exceed the difference between 4 and the rigid operator (see
+//! [`super::design`]). That difference is at least the form `H = chi^2 [spare V + smooth (8 V - V P - V Q)]` of
+//! [`Polynomial::slack`], less the bridges of [`crate::walls::slant`]: large for smooth fields, which the weights f
+//! sample, and small for the checkerboard, which they do not. With `G = sum chi^2 f' H^-1 f` between two surfaces,
+//! `m >= sum l |G|` for each surface, summed over all others and itself, is sufficient (Gershgorin's circles of the
+//! matrix of G, scaled with the lengths). `y = H^-1 f` is computed by conjugate gradients in a window around the
+//! surface: it falls to a quarter from cell to cell, so that the truncation is far below [`MARGIN`].
 
-use super::WallCells;
 use super::linear::conjugate_gradients;
-use super::slant::place_in;
-use super::surface::Reach;
+use super::piece::Piece;
 use crate::scheme::Polynomial;
+use crate::walls::WallCells;
+use crate::walls::slant::place_in;
 use std::collections::BTreeMap;
 
 /// Half width of the window in cells.
 const REACH: isize = 6;
+/// Width of the window in cells.
 const WIDTH: usize = 2 * REACH as usize + 1;
-/// Rounds of conjugate gradients; each leaves about a quarter of the error.
+/// Rounds of conjugate gradients; each reduces the error to about a quarter.
 const ROUNDS: usize = 8;
-/// What is added for all that is left out.
-pub(super) const MARGIN: f64 = 1.01;
+/// Factor on the masses that covers truncation.
+const MARGIN: f64 = 1.01;
 
+/// Numbers by cell of the window, `[y][x]`.
 type Values = [[f64; WIDTH]; WIDTH];
 
-/// A piece of surface: its cell, its length, and the weights of the cells that take part.
-pub(super) struct Piece {
-    pub(super) cell: [usize; 2],
-    pub(super) length: f64,
-    pub(super) reach: Reach,
-}
-
-/// Least masses of surfaces in cell widths, whatever their impedances.
+/// Least masses in cell widths of all pieces of surface of a grid, for any impedance.
 pub(super) fn least_masses(
     walls: &WallCells,
     polynomial: &Polynomial,
@@ -72,24 +69,7 @@ pub(super) fn least_masses(
     pieces.iter().map(least).collect()
 }
 
-/// The field `H^-1 e` with which the form gives a load of one in a cell, by place; zero beyond a window around it.
-pub(super) fn yielding(
-    walls: &WallCells,
-    polynomial: &Polynomial,
-    cell: [usize; 2],
-) -> impl Fn([isize; 2]) -> f64 + use<> {
-    let window = Window::around(walls, cell, slack(polynomial));
-    let mut load = [[0.0; WIDTH]; WIDTH];
-    load[REACH as usize][REACH as usize] = 1.0;
-    let answer = window.solve(&load);
-    let first = cell.map(|at| at as isize - REACH);
-    move |[x, y]| {
-        let place = place_in([x - first[0], y - first[1]], WIDTH);
-        place.map_or(0.0, |[x, y]| answer[y][x])
-    }
-}
-
-/// What the form H is made of.
+/// The coefficients `[spare, smooth]` of the form H.
 fn slack(polynomial: &Polynomial) -> [f64; 2] {
     let [spare, smooth] = polynomial.slack();
     [spare.max(1e-6), smooth]
@@ -98,16 +78,19 @@ fn slack(polynomial: &Polynomial) -> [f64; 2] {
 /// The form H in a window of cells.
 struct Window {
     centre: [usize; 2],
-    /// `smooth` times the weights of the faces at lower x and y; none on the window's rim, which stays at rest.
+    /// `smooth` times the weights of the faces at lower x; zero on the rim of the window, beyond which the field is
+    /// zero.
     west: Values,
+    /// The same at lower y.
     south: Values,
     /// Diagonal of the form; 0 where there is no air.
     own: Values,
-    /// Bridges past small cells, and their weights.
+    /// Bridges past small cells: the pairs of cells that they join, and weights.
     bridges: Vec<([[usize; 2]; 2], f64)>,
 }
 
 impl Window {
+    /// Around a cell, for the coefficients of H.
     fn around(walls: &WallCells, centre: [usize; 2], [spare, smooth]: [f64; 2]) -> Self {
         let mut window = Self {
             centre,
@@ -135,7 +118,7 @@ impl Window {
                 }
             }
         }
-        // They are a part of the operator, and take from what it leaves.
+        // Bridges are a part of the operator and reduce the form.
         let first = centre.map(|at| at as isize - REACH);
         for (ends, weight) in walls.bridges(first, WIDTH, spare) {
             let inside = ends.map(|end| place_in(end, WIDTH));
@@ -154,13 +137,13 @@ impl Window {
         (cell[axis] + REACH as usize) - self.centre[axis]
     }
 
-    /// The cell at a place in the window, when it lies on the grid.
+    /// The cell at a place in the window; `None` at negative columns and rows.
     fn cell(&self, x: usize, y: usize) -> Option<[usize; 2]> {
         let at = |i: usize, axis: usize| (self.centre[axis] + i).checked_sub(REACH as usize);
         Some([at(x, 0)?, at(y, 1)?])
     }
 
-    /// The form times a field.
+    /// The form applied to a field.
     fn apply(&self, u: &Values) -> Values {
         let mut out = [[0.0; WIDTH]; WIDTH];
         for y in 0..WIDTH {
@@ -183,7 +166,7 @@ impl Window {
         out
     }
 
-    /// The field with which the form gives `load`, with the diagonal as a guess of the form.
+    /// The field to which the form gives `load`.
     fn solve(&self, load: &Values) -> Values {
         let form = |u: &[f64]| {
             let mut values = [[0.0; WIDTH]; WIDTH];

@@ -1,15 +1,16 @@
-//! How much of every cell and of every face between cells is open: what walls are to the field.
+//! The walls of a grid as cells: how much of every cell and of every face between cells is open.
 
+use super::load::Load;
+use super::rasterize::SolidMask;
 use super::slant::{Slant, Slants};
-use super::{Impedance, SolidMask};
 use std::collections::BTreeMap;
 
-/// What a wall leaves of a cell and of its faces to the cells at lower x and at lower y, as fractions.
+/// Open fractions of a cell and of its faces to the cells at lower x and at lower y.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Opening {
     /// Open part of the cell's area, above 0.
     pub area: f64,
-    /// Weight of the face to the cell at lower x: its open part, less where the spectrum asks for it.
+    /// Weight of the face to the cell at lower x: its open part, or less where stability demands it.
     pub west: f64,
     /// Weight of the face to the cell at lower y.
     pub south: f64,
@@ -24,29 +25,6 @@ impl Opening {
     };
 }
 
-/// A piece of the surface of a wall that is not rigid.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Load {
-    /// Impedance of the surface.
-    pub impedance: Impedance,
-    /// Length of the piece, in cell widths.
-    pub length: f64,
-    /// Column and row of the cell in which it lies.
-    pub cell: [usize; 2],
-    /// Unit vector from the wall into the air.
-    pub normal: [f64; 2],
-    /// Distance of the cell's middle from the wall in cell widths, negative within the wall.
-    pub distance: f64,
-}
-
-impl Load {
-    /// Axis of the grid nearest to the normal, 0 for x and 1 for y, and the cosine of the angle between them.
-    pub(super) fn nearest_axis(&self) -> (usize, f64) {
-        let [x, y] = self.normal.map(f64::abs);
-        if y > x { (1, y) } else { (0, x) }
-    }
-}
-
 /// The walls as cells: solid ones, and those of which a wall leaves a part.
 ///
 /// A face is closed when either of its cells is solid. Outside the grid everything is open.
@@ -55,14 +33,14 @@ pub struct WallCells {
     solid: SolidMask,
     /// By index `iy nx + ix`; a fluid cell that is not in here is full and has open faces to fluid cells.
     partial: BTreeMap<usize, Opening>,
-    /// Surfaces that are not rigid, in the order of the cells in which they lie.
+    /// Pieces of surface of walls of an impedance, in the order of the cells in which they lie.
     loads: Vec<Load>,
-    /// Cells that slanted walls cut.
+    /// Changes of the operator in cells that slanted walls cut.
     slants: Slants,
 }
 
 impl WallCells {
-    /// Solid cells `solid`, and what is left of cells by their index `iy nx + ix`.
+    /// From the solid cells and the openings of others by their index `iy nx + ix`.
     pub(super) fn new(solid: SolidMask, mut partial: BTreeMap<usize, Opening>) -> Self {
         partial.retain(|&cell, opening| !solid.cells[cell] && *opening != Opening::FULL);
         Self {
@@ -73,22 +51,22 @@ impl WallCells {
         }
     }
 
-    /// The same with surfaces that are not rigid.
+    /// The same with pieces of surface of walls of an impedance.
     pub(super) fn with_loads(self, loads: Vec<Load>) -> Self {
         Self { loads, ..self }
     }
 
-    /// The same with what slanted walls change ([`super::slant`]).
+    /// The same with the changes that slanted walls make ([`super::slant`]).
     pub(super) fn with_slants(self, slants: Slants) -> Self {
         Self { slants, ..self }
     }
 
-    /// What a slanted wall changes in a cell of any place, if it cuts it.
+    /// Changes in a cell of any place, if a slanted wall cuts it.
     pub(super) fn slant(&self, ix: isize, iy: isize) -> Option<&Slant> {
         (self.solid.index(ix, iy)).and_then(|cell| self.slants.get(&cell))
     }
 
-    /// The surfaces that are not rigid, in the order of the cells in which they lie.
+    /// The pieces of surface of walls of an impedance, in the order of the cells in which they lie.
     pub fn loads(&self) -> &[Load] {
         &self.loads
     }
@@ -105,7 +83,7 @@ impl WallCells {
         bounds(self.solid.iter_solid().chain(partial))
     }
 
-    /// The walls in a part of the grid that begins at column and row `first`; what is not in it is left out.
+    /// The walls within a part of the grid of `nx` by `ny` cells that begins at column and row `first`.
     ///
     /// # Panics
     /// When the part reaches beyond the grid.
@@ -181,8 +159,9 @@ impl WallCells {
         areas
     }
 
-    /// The cell beside another along an axis, when it lies on the grid and the face between them is open.
-    pub(super) fn beside(
+    /// The neighbour of a cell along an axis on a side (-1 or 1), if it lies on the grid and the face between them is
+    /// open.
+    pub(crate) fn beside(
         &self,
         [ix, iy]: [usize; 2],
         axis: usize,
@@ -203,8 +182,8 @@ impl WallCells {
         (face > 0.0).then_some([x as usize, y as usize])
     }
 
-    /// What is left of a cell, of any place: `None` for a solid one. Faces to solid cells are closed.
-    pub(super) fn opening(&self, ix: isize, iy: isize) -> Option<Opening> {
+    /// Opening of a cell at any place, full outside the grid; `None` for a solid cell. Faces to solid cells are closed.
+    pub(crate) fn opening(&self, ix: isize, iy: isize) -> Option<Opening> {
         let mask = &self.solid;
         let solid = |x, y| mask.index(x, y).is_some_and(|cell| mask.cells[cell]);
         if solid(ix, iy) {
@@ -219,6 +198,29 @@ impl WallCells {
             opening.south = 0.0;
         }
         Some(opening)
+    }
+
+    /// Bridges past the cells of a window that begins at `first`, `width` cells along a side: places of their ends in
+    /// the window, which may lie just outside, and their weights for a scheme with `spare`
+    /// ([`crate::scheme::Polynomial::spare`]).
+    pub(crate) fn bridges(
+        &self,
+        first: [isize; 2],
+        width: usize,
+        spare: f64,
+    ) -> Vec<([[isize; 2]; 2], f64)> {
+        let area = |[x, y]: [isize; 2]| {
+            let opening = self.opening(first[0] + x, first[1] + y);
+            opening.map_or(1.0, |opening| opening.area)
+        };
+        let places = (0..width as isize).flat_map(|y| (0..width as isize).map(move |x| [x, y]));
+        places
+            .filter_map(|[x, y]| {
+                let bridge = self.slant(first[0] + x, first[1] + y)?.bridge?;
+                let ends = bridge.ends([x, y]);
+                Some((ends, bridge.stable_weight(spare, ends.map(area))))
+            })
+            .collect()
     }
 }
 

@@ -1,34 +1,35 @@
-//! Which cells before a slanted wall of an impedance take part in its reaction, and how much.
+//! Weights before slanted walls: the slanted kernel.
 //!
-//! A piece of surface samples the pressure in the cells of a box of three by three before its middle (before walls of a simple slope it may be four by
-//! four), and takes its flow from the same cells with the same weights, as walls along the axes do ([`super::aperture`]). In front of a rigid wall a
-//! plane wave is `cos(k d) exp(i h t)`, with the distance d from the wall, the place t along it, and the wave numbers k and h of the lattice. The
-//! weights are those that make of it, by least squares over
-//! waves of all angles up to 11 kHz on the papers' grid, what the exact factor asks for at the surface's middle:
+//! A piece of surface samples the pressure in the cells of a box of three by three before its middle, and takes its
+//! flow from the same cells with the same weights, as before walls along the axes ([`super::axis_kernel`]). Before a
+//! rigid wall a plane wave is `cos(k d) exp(i h t)`, with the distance d from the wall, the place t along it, and the
+//! wave numbers k and h on the grid. The weights turn this, by least squares over waves of all angles up to
+//! [`BAND_EDGE`], into the value at the middle of the surface for which the reflection factor is exact:
 //!
-//! `c sqrt(v/(chi cos(angle)))`, `c = cos(omega dt/2)`, v the lattice's group velocity along the normal in cells per step.
+//! `c sqrt(v/(chi cos(angle)))`, `c = cos(omega dt/2)`, v the group velocity on the grid along the normal in cells
+//! per step.
 //!
-//! c is for the velocity, a mean of two half steps, the root for a flow that the lattice carries away with another velocity than the air. A part that
-//! grows with distance ([`Fit`]) keeps the weights small and near the wall: so the mass of air before the surface is the same at all frequencies, and
-//! nearly so at all angles ([`super::inertance`]). Its numbers keep the error of the reflection factor small over angle and impedance at 10 kHz on
-//! the papers' grid, met at 0 and at 45 degrees, by [`crate::validation::tilted_impedance`].
+//! The factor c is for the velocity, a mean of two half steps; the root is for a flow that travels on the grid with
+//! another velocity than in air. A penalty that grows with distance ([`Fit`]) keeps the weights small and near the
+//! wall, so that the mass of air before the surface depends little on frequency and angle ([`super::added_mass`]).
+//! Its parameters minimise the error of the reflection factor over angle and impedance
+//! (law `tilted_impedance`).
 
-use super::WallCells;
-use super::aperture::{BAND_EDGE, COSINES};
+use super::band::{BAND_EDGE, COSINES};
 use super::linear::solve;
-use super::openings::Load;
-use super::surface::Reach;
+use super::piece::Reach;
 use crate::scheme::Polynomial;
+use crate::walls::{Load, WallCells};
 
-/// What the weights are fitted with.
+/// Parameters of the fit.
 struct Fit {
-    /// Root of the weight of the penalty at the wall, for a cell of full area; small cells pay more.
+    /// Square root of the penalty at the wall for a cell of full area; it is inversely proportional to area.
     ridge: f64,
-    /// Distance in cell widths at which the penalty has doubled; it grows with the fourth power.
+    /// Distance in cell widths at which the penalty has doubled; it grows with the fourth power of distance.
     depth: f64,
     /// Sum of the weights.
     sum: f64,
-    /// What the target changes by for each square of a wave number (radians per cell) along the normal and along the wall.
+    /// Change of the target per square of the wave number (radians per cell) along the normal and along the wall.
     change: [f64; 2],
 }
 
@@ -39,34 +40,27 @@ const FIT: Fit = Fit {
     change: [-0.05, 0.04],
 };
 
-/// The box of cells before a piece of surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Frame {
-    /// How far before the wall its middle lies, in cell widths.
-    pub(super) advance: f64,
-    /// Cells along and across it.
-    pub(super) cells: usize,
-}
+/// Distance of the middle of the box from the wall, in cell widths.
+const ADVANCE: f64 = 0.5;
 
-/// That of walls of any slope.
-pub(super) const FRAME: Frame = Frame {
-    advance: 0.5,
-    cells: 3,
-};
+/// Cells of the box along an axis.
+const CELLS: usize = 3;
 
-/// Where other walls leave few cells, weights whose magnitudes sum to more are not worth the mass that they ask for.
+/// Largest sum of the magnitudes of the weights: where other walls leave few cells, larger weights would need too
+/// much mass.
 const MOST_WEIGHT: f64 = 3.0;
 
 /// A plane wave and its mirror image before a rigid wall.
 struct Wave {
     /// Wave numbers along the normal and along the wall in radians per cell.
     numbers: [f64; 2],
-    /// What its pressure at the wall counts for.
+    /// Target of the weighted sum of its pressure.
     target: f64,
 }
 
-/// A cell of the box: distance from the wall, place along the wall from the surface's middle, open area.
-struct Place {
+/// A cell of the box: distance from the wall, place along the wall from the middle of the surface (cell widths), open
+/// area.
+struct BoxCell {
     cell: [usize; 2],
     distance: f64,
     along: f64,
@@ -74,13 +68,14 @@ struct Place {
 }
 
 /// Weights before slanted walls for one scheme at one Courant number.
-pub(super) struct Footprints {
+pub(super) struct SlantedKernel {
     polynomial: Polynomial,
-    /// Whether rows of the grid reach their neighbours only.
+    /// Whether the stencil reaches adjacent rows only.
     narrow: bool,
 }
 
-impl Footprints {
+impl SlantedKernel {
+    /// For a scheme.
     pub(super) fn new(polynomial: &Polynomial) -> Self {
         Self {
             polynomial: *polynomial,
@@ -88,15 +83,10 @@ impl Footprints {
         }
     }
 
-    /// Weights of cells for a piece of surface, of a box; with those of a `column`, if given, in no other rows.
-    pub(super) fn at(
-        &self,
-        walls: &WallCells,
-        load: &Load,
-        frame: Frame,
-        column: Option<&Reach>,
-    ) -> Reach {
-        let places = self.places(walls, load, frame, column);
+    /// Weights of the cells before a piece of surface. With the weights of a `column`, all of its cells and no other
+    /// rows take part.
+    pub(super) fn at(&self, walls: &WallCells, load: &Load, column: Option<&Reach>) -> Reach {
+        let places = self.box_cells(walls, load, column);
         let waves = self.waves(load.normal);
         let mut ridge = FIT.ridge;
         loop {
@@ -110,19 +100,13 @@ impl Footprints {
         }
     }
 
-    /// The cells of the box that no other wall hides from the surface.
-    fn places(
-        &self,
-        walls: &WallCells,
-        load: &Load,
-        frame: Frame,
-        column: Option<&Reach>,
-    ) -> Vec<Place> {
-        let size = [frame.cells, if self.narrow { 2 } else { frame.cells }];
+    /// The cells of the box that are connected with the surface through open faces.
+    fn box_cells(&self, walls: &WallCells, load: &Load, column: Option<&Reach>) -> Vec<BoxCell> {
+        let size = [CELLS, if self.narrow { 2 } else { CELLS }];
         let [nx, ny] = load.normal;
         let tangent = [ny, -nx];
         let middle = middle(load);
-        // From the middle of the surface's cell to that of the surface.
+        // From the centre of the surface's cell to the middle of the surface.
         let foot: [f64; 2] =
             [0, 1].map(|axis| middle * tangent[axis] - load.distance * load.normal[axis]);
         let rows = column.map_or([0, 0], |column| {
@@ -132,10 +116,10 @@ impl Footprints {
             [rows.clone().min(), rows.max()].map(Option::unwrap_or_default)
         });
         let first: [isize; 2] = [0, 1].map(|axis| {
-            let at = 0.5 + foot[axis] + frame.advance * load.normal[axis];
+            let at = 0.5 + foot[axis] + ADVANCE * load.normal[axis];
             let cells = size[axis];
             let first = (at - 0.5 * (cells as f64 - 1.0) + 1e-9).floor() as isize;
-            // The surface's own cell is always in it, or all rows of the column.
+            // The box always holds the surface's own cell, or all rows of the column.
             let [low, high] = if axis == 1 { rows } else { [0, 0] };
             first.clamp(low.min(high + 1 - cells as isize), low)
         });
@@ -163,7 +147,7 @@ impl Footprints {
             let offset = [0, 1].map(|axis| cell[axis] as f64 - load.cell[axis] as f64);
             let dot = |to: [f64; 2]| offset[0] * to[0] + offset[1] * to[1];
             let opening = walls.opening(cell[0] as isize, cell[1] as isize);
-            Place {
+            BoxCell {
                 cell,
                 distance: load.distance + dot(load.normal),
                 along: dot(tangent) - middle,
@@ -173,7 +157,7 @@ impl Footprints {
         cells.into_iter().map(place).collect()
     }
 
-    /// The waves of the fit before a wall with a normal.
+    /// The waves of the fit, before a wall of the given normal.
     fn waves(&self, [nx, ny]: [f64; 2]) -> Vec<Wave> {
         let p = &self.polynomial;
         let edge = BAND_EDGE * if self.narrow { 0.5 } else { 1.0 };
@@ -198,12 +182,12 @@ impl Footprints {
                         across -= (p.symbol(a, b) - 4.0 * sin * sin) / slope;
                     }
                     // The derivative of the symbol is `4 sin cos` times the group velocity.
-                    let carried = slope / (4.0 * sin * cos * p.courant * cosine);
+                    let transported = slope / (4.0 * sin * cos * p.courant * cosine);
                     let squares = [across, along].map(|k| k * k);
                     let change = FIT.change[0] * squares[0] + FIT.change[1] * squares[1];
                     waves.push(Wave {
                         numbers: [across, along],
-                        target: cos * carried.max(0.0).sqrt() * (FIT.sum + change),
+                        target: cos * transported.max(0.0).sqrt() * (FIT.sum + change),
                     });
                 }
             }
@@ -212,7 +196,8 @@ impl Footprints {
     }
 }
 
-/// Where the middle of a surface lies along it, from the foot of the perpendicular from its cell's middle.
+/// Place of the middle of a piece of surface along it, from the foot of the perpendicular through the centre of its
+/// cell.
 fn middle(load: &Load) -> f64 {
     let [nx, ny] = load.normal;
     let mut range = [f64::NEG_INFINITY, f64::INFINITY];
@@ -232,10 +217,10 @@ fn middle(load: &Load) -> f64 {
     }
 }
 
-/// Weights of places with the sum of the fit and the least squares over waves.
-fn fit(places: &[Place], waves: &[Wave], ridge: f64) -> Vec<f64> {
+/// Weights of places with the sum of the fit and the least squares over waves, with `ridge` as in [`Fit`].
+fn fit(places: &[BoxCell], waves: &[Wave], ridge: f64) -> Vec<f64> {
     let n = places.len();
-    // Normal equations, with the sum as a side condition.
+    // Normal equations, with the sum as a constraint.
     let mut rows = vec![vec![0.0; n + 2]; n + 1];
     let per = 1.0
         / waves
@@ -252,10 +237,11 @@ fn fit(places: &[Place], waves: &[Wave], ridge: f64) -> Vec<f64> {
                 row[n + 1] += per * part * target;
             }
         };
-        let even = |place: &Place| (across * place.distance).cos() * (along * place.along).cos();
+        let even = |place: &BoxCell| (across * place.distance).cos() * (along * place.along).cos();
         add(places.iter().map(even).collect(), wave.target);
         if along > 0.0 {
-            let odd = |place: &Place| (across * place.distance).cos() * (along * place.along).sin();
+            let odd =
+                |place: &BoxCell| (across * place.distance).cos() * (along * place.along).sin();
             add(places.iter().map(odd).collect(), 0.0);
         }
     }

@@ -1,6 +1,7 @@
-//! Linear equations: a few with all their numbers, more with a symmetric form.
+//! Linear equations: a dense solver, and conjugate gradients for symmetric positive forms.
 
-/// Solution of equations, each a row with its right side at the end, by elimination with pivots by row.
+/// Solution of equations, each a row of coefficients with the right-hand side at the end, by Gaussian elimination
+/// with row pivots.
 pub(super) fn solve(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     let n = rows.len();
     for column in 0..n {
@@ -24,9 +25,9 @@ pub(super) fn solve(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     found
 }
 
-/// Solution u of `form(u) = load` by conjugate gradients from zero, with `own` (the form's diagonal, 0 where there is no air) as a guess of the form.
-/// It ends after
-/// `rounds`, or when nothing is left to do; a form that does not determine the solution gives any.
+/// Solution u of `form(u) = load` by conjugate gradients from zero, preconditioned with the form's diagonal `own` (0
+/// where there is no air). Ends after `rounds`, or at a residual of zero; for a singular form the result is one of
+/// its solutions.
 pub(super) fn conjugate_gradients(
     form: impl Fn(&[f64]) -> Vec<f64>,
     own: &[f64],

@@ -1,12 +1,23 @@
-//! Plane waves on the grid before walls along its axes: what a surface meets there, see [`super::aperture`].
+//! Plane waves on the grid before axis-parallel walls: the response to a surface there, see [`super::axis_kernel`].
 
-use super::aperture::{Aperture, COSINES};
+use super::band::COSINES;
 use crate::scheme::Polynomial;
 use rustfft::num_complex::Complex;
 
+/// Weights and mass of a surface before an axis-parallel wall, or a nearly parallel one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct AxisWeights {
+    /// Weights of the cell that the wall cuts and of the two before it; they sum to one.
+    pub(super) weights: [f64; 3],
+    /// Weight of each of the two cells beside the first one along the wall, which the first one loses.
+    pub(super) along: f64,
+    /// Mass of air before the surface in cell widths.
+    pub(super) mass: f64,
+}
+
 /// A plane wave before an axis-parallel wall on the grid.
-pub(super) struct Place {
-    /// By what y and X are compared with 1 and 0: `chi s cos(angle)/c`.
+pub(super) struct IncidentWave {
+    /// Factor `chi s cos(angle)/c` with which y and X are compared with 1 and 0.
     scale: f64,
     /// `4 sin^2(ky dx/2)`.
     across: f64,
@@ -14,8 +25,9 @@ pub(super) struct Place {
     response: [[Complex<f64>; 3]; 3],
 }
 
-impl Place {
-    /// At the quarters of a band up to the wave number `edge` and all angles of [`COSINES`], angle by angle.
+impl IncidentWave {
+    /// Waves at the quarters of a band up to the wave number `edge` (radians per cell) and all angles of [`COSINES`],
+    /// before a wall that leaves the part `open` of the first cell.
     pub(super) fn all(polynomial: &Polynomial, open: f64, edge: f64) -> Vec<Self> {
         let quarters = (1..=4).map(|i| edge * f64::from(i) / 4.0);
         quarters
@@ -23,8 +35,8 @@ impl Place {
             .collect()
     }
 
-    /// For the wave number k in radians per cell and the cosine of the angle of incidence.
-    pub(super) fn new(polynomial: &Polynomial, open: f64, k: f64, cos: f64) -> Self {
+    /// A wave of the wave number k in radians per cell and the cosine of the angle of incidence.
+    fn new(polynomial: &Polynomial, open: f64, k: f64, cos: f64) -> Self {
         let half = 0.5 * polynomial.courant * k;
         let sine = 2.0 * half.sin();
         let across = 4.0 * (0.5 * k * (1.0 - cos * cos).sqrt()).sin().powi(2);
@@ -58,22 +70,23 @@ impl Place {
         }
     }
 
-    /// By how much y falls short of 1, and X, both for a velocity without its c.
-    pub(super) fn off(&self, courant: f64, aperture: &Aperture) -> [f64; 2] {
-        let mut e = aperture.weights;
-        e[0] -= aperture.along * self.across;
+    /// `[1 - y, X]` for a velocity without its factor c, see [`super::axis_kernel`].
+    pub(super) fn off(&self, courant: f64, axis: &AxisWeights) -> [f64; 2] {
+        let mut e = axis.weights;
+        e[0] -= axis.along * self.across;
         let mut g = Complex::new(0.0, 0.0);
         for (row, left) in self.response.iter().zip(e) {
             for (value, right) in row.iter().zip(e) {
                 g += value * left * right;
             }
         }
-        let reactance = self.scale * (g.re + aperture.mass / (courant * courant));
+        let reactance = self.scale * (g.re + axis.mass / (courant * courant));
         [1.0 + self.scale * g.im, reactance]
     }
 }
 
-/// Zeros of a polynomial of degree one to three: first the one near `guess`, then the others, which may be complex.
+/// Zeros of a polynomial of degree one to three, given by its coefficients from the constant on: first the real one
+/// near `guess`, then the others, which may be complex.
 fn poles([c0, c1, c2, c3]: [f64; 4], guess: f64) -> Vec<Complex<f64>> {
     let mut first = guess;
     for _ in 0..30 {
@@ -91,10 +104,10 @@ fn poles([c0, c1, c2, c3]: [f64; 4], guess: f64) -> Vec<Complex<f64>> {
     found
 }
 
-/// `(P - pole)^-1` of the first three cells of a half-line of which the wall leaves `open` of the first cell; waves go out where the pole is
-/// that of a wave, and die out elsewhere.
+/// `(P - pole)^-1` for the first three cells of a half-line of which the wall leaves the part `open` of the first cell.
+/// Solutions are outgoing where the pole is that of a `wave`, and decaying elsewhere.
 fn chain(open: f64, pole: Complex<f64>, wave: bool) -> [[Complex<f64>; 3]; 3] {
-    // The cut cell's share, as in [`super::cut`].
+    // Face weight of the cut cell, see [`crate::walls::cut`].
     let face = (4.0 * open / (1.0 + 2.0 * open)).min(1.0);
     let middle = 0.5 * (2.0 - pole);
     let root = (middle * middle - 1.0).sqrt();

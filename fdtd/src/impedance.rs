@@ -1,18 +1,19 @@
-//! What the surface of a wall is to the air: an impedance, the same at all frequencies or by branches of resistance, inertance and compliance.
+//! Impedance of the surface of a wall: one number, or branches of resistance, inertance and compliance.
 
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
-/// Ratio of pressure and velocity into a wall at its surface, which reacts locally.
+/// Ratio of pressure to normal velocity into a locally reacting surface.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Impedance {
     /// The same at all frequencies, in Pa s/m, above 0.
     Real(f64),
-    /// Branches in parallel: each takes a velocity of its own, all from the same pressure.
+    /// Branches in parallel: they share the pressure, and their velocities add.
     Branches(Vec<Branch>),
 }
 
-/// A branch of an impedance, `R + i omega L + s/(i omega)`: a panel of a mass on an air gap is one with all three. Not all are 0.
+/// A branch of an impedance, `R + i omega L + s/(i omega)`, at least one of them above 0. A panel of a mass before an
+/// air gap is a branch with all three.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Branch {
     /// Resistance R in Pa s/m, 0 or more.
@@ -24,7 +25,7 @@ pub struct Branch {
 }
 
 impl Impedance {
-    /// Its value at a frequency in hertz, in Pa s/m.
+    /// Value at a frequency in hertz, in Pa s/m.
     pub fn at(&self, frequency_hz: f64) -> Complex<f64> {
         match self {
             Self::Real(impedance_pasm) => Complex::new(*impedance_pasm, 0.0),
@@ -38,7 +39,7 @@ impl Impedance {
         }
     }
 
-    /// All numbers that make it up, to tell it from others.
+    /// All parameters in a fixed order, for fingerprints.
     pub fn numbers(&self) -> Vec<f64> {
         match self {
             Self::Real(impedance_pasm) => vec![*impedance_pasm],
@@ -46,8 +47,8 @@ impl Impedance {
         }
     }
 
-    /// The branches, those with nothing but a resistance made one: they have one velocity.
-    pub(super) fn branches(&self) -> Vec<Branch> {
+    /// The branches; those that are pure resistances are merged into one, which comes last.
+    pub(crate) fn branches(&self) -> Vec<Branch> {
         let branches = match self {
             Self::Real(impedance_pasm) => return vec![Branch::resistance(*impedance_pasm)],
             Self::Branches(branches) => branches,
@@ -68,7 +69,7 @@ impl Impedance {
 }
 
 impl Branch {
-    /// Nothing but a resistance in Pa s/m.
+    /// A pure resistance in Pa s/m.
     pub fn resistance(resistance_pasm: f64) -> Self {
         Self {
             resistance_pasm,
@@ -77,8 +78,8 @@ impl Branch {
         }
     }
 
-    /// One that resonates at a frequency in hertz, where inertance and compliance have reactances of plus and minus `reactance_pasm` beside the resistance;
-    /// both in Pa s/m.
+    /// A branch that resonates at a frequency in hertz, where inertance and compliance have the reactances plus and
+    /// minus `reactance_pasm`; resistance and reactance in Pa s/m.
     pub fn resonance(frequency_hz: f64, resistance_pasm: f64, reactance_pasm: f64) -> Self {
         let omega = TAU * frequency_hz;
         Self {
@@ -88,7 +89,7 @@ impl Branch {
         }
     }
 
-    /// Its impedance at a frequency in hertz, in Pa s/m.
+    /// Impedance at a frequency in hertz, in Pa s/m.
     pub fn at(&self, frequency_hz: f64) -> Complex<f64> {
         let omega = TAU * frequency_hz;
         let reactance = omega * self.inertance_kgpm2 - self.stiffness_papm / omega;

@@ -1,11 +1,11 @@
-//! The cells that take part before walls along the axes, and nearly so.
+//! The column of cells before walls along the axes, and nearly so.
 
-use super::WallCells;
-use super::aperture::Aperture;
-use super::openings::Load;
-use super::surface::Reach;
+use super::half_line::AxisWeights;
+use super::piece::Reach;
+use crate::walls::{Load, WallCells};
 
-/// Cells beside a surface need so much of the air of the first cell to take part along it: small ones would ask for more mass than is there.
+/// Least area of a cell beside the first one along the wall, over that of the first, to take part: smaller cells
+/// would need too much mass for passivity.
 const LEAST_BESIDE: f64 = 0.5;
 
 /// The cells before a surface along the axis nearest to its normal.
@@ -13,15 +13,16 @@ pub(super) struct Column {
     /// First cell that holds air.
     first: [usize; 2],
     axis: usize,
-    /// Way from the wall into the air along the axis, 1 or -1.
+    /// Direction from the wall into the air along the axis, 1 or -1.
     inward: isize,
     /// Cosine of the angle between axis and normal.
     pub(super) slope: f64,
-    /// Open part of the first cell, along the axis through its middle.
+    /// Open part of the first cell, along the axis through its centre.
     pub(super) open: f64,
 }
 
 impl Column {
+    /// The column before a piece of surface.
     pub(super) fn of(walls: &WallCells, load: &Load) -> Self {
         let (axis, slope) = load.nearest_axis();
         let inward = if load.normal[axis] > 0.0 { 1 } else { -1 };
@@ -33,7 +34,7 @@ impl Column {
         let own = load.cell.map(|at| at as isize);
         let mut place = own;
         let mut open = 0.5 + load.distance / slope;
-        // The cell that holds the wall where the line through the cells' middles meets it.
+        // The cell in which the line through the centres of the column meets the wall.
         if open > 1.0 {
             let mut outward = place;
             outward[axis] -= inward;
@@ -55,8 +56,8 @@ impl Column {
         }
     }
 
-    /// The cells that the surface samples and takes its flow from. Where another wall comes between, fewer.
-    pub(super) fn reach(&self, walls: &WallCells, aperture: &Aperture) -> Reach {
+    /// Weights of the cells of the column, fewer than three where another wall comes between.
+    pub(super) fn reach(&self, walls: &WallCells, axis: &AxisWeights) -> Reach {
         let mut cells = vec![self.first];
         while let Some(next) = (cells.len() < 3)
             .then(|| walls.beside(cells[cells.len() - 1], self.axis, self.inward))
@@ -64,8 +65,8 @@ impl Column {
         {
             cells.push(next);
         }
-        let mut weights = aperture.weights;
-        // What cells that are not there should have done is left to the last one that is.
+        let mut weights = axis.weights;
+        // The last cell takes the weights of missing ones.
         for missing in (cells.len()..3).rev() {
             weights[missing - 1] += weights[missing];
         }
@@ -78,8 +79,8 @@ impl Column {
             if let Some(cell) = walls.beside(self.first, 1 - self.axis, side)
                 && area(cell) >= LEAST_BESIDE * area(self.first)
             {
-                *reach.entry(self.first).or_default() -= aperture.along;
-                *reach.entry(cell).or_default() += aperture.along;
+                *reach.entry(self.first).or_default() -= axis.along;
+                *reach.entry(cell).or_default() += axis.along;
             }
         }
         reach.retain(|_, weight| *weight != 0.0);

@@ -1,68 +1,66 @@
-//! The mass of air before a piece of a slanted surface.
+//! Added mass: the mass of air before a piece of slanted surface.
 //!
-//! A flow that is the same along the whole wall must meet the air that is there, and no reactance from the way the surface takes part in the grid.
-//! Let the pressure rise by one per cell width from the wall on, as it does before a soft wall at low frequencies. A surface is to take the velocity
-//! that this slope gives the air at its place, so its mass in cell widths is what it samples of that pressure, `f.p`. The pressure in the cells is
-//! not quite that: the surfaces take their flow from cells some way before the wall. It is worked out in a window around each piece with the field's
-//! own operator: all pieces in it take their share of the flow, and on its rim, where the surface is far enough away (what it does falls by four from
-//! cell to cell), the pressure is the distance from the wall.
+//! For a flow that is uniform along the whole wall, the surface must add no reactance of its own to that of the air.
+//! Let the pressure rise by one per cell width from the wall on, as before a soft wall at low frequencies. A surface
+//! takes the velocity that this slope gives the air at its place if its mass in cell widths equals its sample of that
+//! pressure, `f.p`. The pressure in the cells deviates from the slope, for the surfaces take their flow from cells at
+//! some distance. It is computed in a window around each piece with the operator of the field: all pieces in the
+//! window take their share of the flow, and on its rim, far from the surface (deviations fall to a quarter from cell
+//! to cell), the pressure is the distance from the wall.
 //!
-//! What that leaves out, the frequency and the angle, is made up for by [`OF_BOXES`]; before columns of cells the mass is that of a wall along the axes and
-//! [`OF_COLUMNS`].
+//! Corrections for frequency and angle are in [`OF_BOXES`]; before columns of cells the mass is that of a wall along
+//! the axes plus [`OF_COLUMNS`].
 
-use super::WallCells;
 use super::linear::conjugate_gradients;
-use super::openings::Load;
-use super::spring::Piece;
-use super::surface::LEAST_SLOPE;
+use super::piece::Piece;
+use crate::walls::operator::Row;
+use crate::walls::slant::LEAST_SLOPE;
+use crate::walls::{Load, WallCells};
 use std::collections::BTreeMap;
 
-/// Half width of the part of the window in which the pressure is worked out, and of the rim around it, which the widest stencil reaches.
+/// Half width of the part of the window in which the pressure is computed.
 const REACH: isize = 6;
+/// Width of the rim around it, the reach of the widest stencil.
 const RIM: isize = 3;
 const HALF: isize = REACH + RIM;
 const WIDTH: usize = 2 * HALF as usize + 1;
 /// Rounds of conjugate gradients.
 const ROUNDS: usize = 40;
 
-/// A row of the operator over the Courant number squared: offsets along x and y, and weights.
-pub(super) type Row = Vec<([isize; 2], f64)>;
-
-/// What is added to the masses in cell widths, by the angle between normal and axis in degrees: from errors of the reflection factor at 10 kHz with
-/// m13, o13 and d25, met at 0 and at 45 degrees ([`crate::validation::tilted_impedance`]). Up to the first angle and from the second on it is the
-/// same.
+/// Correction of the mass in cell widths at two angles between normal and axis in degrees, interpolated between them
+/// and constant beyond. Chosen for small errors of the reflection factor at 10 kHz
+/// (law `tilted_impedance`).
 type Changes = [(f64, f64); 2];
 
-/// Before boxes of cells.
+/// Correction before boxes of cells.
 const OF_BOXES: Changes = [(20.0, 0.020), (45.0, -0.0095)];
 
-/// Before columns of cells: as much as d25 at 5 kHz allows, less than half of what would be best at 10 kHz.
+/// Correction before columns of cells: a compromise between 10 kHz, where more would be better, and d25 at 5 kHz.
 const OF_COLUMNS: Changes = [(10.0, 0.0), (18.0, 0.002)];
 
-/// Masses in cell widths of pieces of plane walls lie well within. Where other walls are near, the pressure may be anything (in a pocket that is cut
-/// off from the rim nothing determines it), and the mass stays within.
+/// Range of masses in cell widths. Those of plane walls lie well within; near other walls the pressure may be
+/// undetermined (in a pocket without connection to the rim), and the mass is clamped.
 const RANGE: [f64; 2] = [0.1, 0.8];
 
-/// The mass in cell widths of a surface before which a column of cells takes part, from that of a wall along the axes.
+/// Mass in cell widths of a surface before which a column of cells takes part, from that of an `upright` wall.
 pub(super) fn column_mass(load: &Load, upright: f64) -> f64 {
     upright + change(load, OF_COLUMNS)
 }
 
-/// The change for a surface.
+/// The correction for a surface.
 fn change(load: &Load, [(first, from), (last, to)]: Changes) -> f64 {
     let angle_deg = load.nearest_axis().1.min(1.0).acos().to_degrees();
     from + ((angle_deg - first) / (last - first)).clamp(0.0, 1.0) * (to - from)
 }
 
-/// Masses in cell widths of those of the `pieces` of surface that are `wanted` by their places in the list and before which boxes of cells take part,
-/// with these places, on the field whose operator has `rows`.
+/// Masses in cell widths of those of the `pieces` of surface before which boxes of cells take part, with their places
+/// in the list, on the field whose operator has `rows`.
 pub(super) fn slanted_masses(
     walls: &WallCells,
     rows: &dyn Fn([usize; 2]) -> Row,
     pieces: &[Piece],
-    wanted: impl Fn(usize) -> bool,
 ) -> Vec<(usize, f64)> {
-    // What surfaces take from cells of a flow of one.
+    // Flow that surfaces take from cells, for a uniform flow of one.
     let mut taken: BTreeMap<[usize; 2], f64> = BTreeMap::new();
     for piece in pieces {
         let sum: f64 = piece.reach.values().sum();
@@ -82,29 +80,30 @@ pub(super) fn slanted_masses(
     };
     let slanted = walls.loads().iter().zip(pieces).enumerate();
     slanted
-        .filter(|(index, (load, _))| load.nearest_axis().1 <= LEAST_SLOPE && wanted(*index))
+        .filter(|(_, (load, _))| load.nearest_axis().1 <= LEAST_SLOPE)
         .map(mass)
         .collect()
 }
 
-/// A cell whose pressure is sought.
+/// A cell whose pressure is computed.
 struct Free {
     /// Its place in the window.
     at: usize,
-    /// Its area times the operator's row: places and weights.
+    /// Row of the operator times area: places in the window and weights.
     row: Vec<(usize, f64)>,
-    /// The flow that leaves it.
+    /// Flow that surfaces take from it.
     taken: f64,
 }
 
 /// The cells around a piece of surface.
 struct Window {
     free: Vec<Free>,
-    /// Pressure, distance from the wall at first.
+    /// Pressure, initially the distance from the wall.
     pressure: Vec<f64>,
 }
 
 impl Window {
+    /// Around the cell of a piece of surface.
     fn new(
         walls: &WallCells,
         load: &Load,
@@ -143,7 +142,7 @@ impl Window {
         window
     }
 
-    /// What flows out of each free cell.
+    /// Flow out of each free cell.
     fn outflow(&self, pressure: &[f64]) -> Vec<f64> {
         let flow = |free: &Free| -> f64 {
             let parts = free.row.iter().map(|&(at, weight)| weight * pressure[at]);
@@ -152,7 +151,7 @@ impl Window {
         self.free.iter().map(flow).collect()
     }
 
-    /// The pressure with which every free cell gets what is taken from it.
+    /// The pressure at which the flow into every free cell is the flow taken from it.
     fn pressure(mut self) -> Vec<f64> {
         let flows = self.outflow(&self.pressure);
         let load: Vec<f64> = (flows.iter().zip(&self.free))

@@ -1,40 +1,43 @@
-//! Conservative cut cells: walls leave parts of cells and faces.
+//! Conservative cut cells: cells and faces of which walls leave a part.
 //!
-//! A cell keeps its exact open area, so the air between walls is conserved and an echo comes from where the wall is (Tolan and
-//! Schneider 2003 for the wave equation; Bilbao 2013 for rooms, as a finite-volume scheme). The masked second difference is `-V^-1 D' a D`,
-//! with the open areas `V` and the open parts `a` of the faces.
+//! A cell keeps its exact open area, so that the air between walls is conserved and an echo comes from the wall's
+//! true place (Tolan and Schneider 2003 for the wave equation; Bilbao 2013 for rooms, as a finite-volume scheme). The
+//! masked second difference is `-V^-1 D' a D`, with the open areas `V` and the open parts `a` of the faces.
 //!
-//! What the step allows. All schemes rely on `-A` and `-B` between 0 and 4 (see [`crate::scheme::Polynomial::largest_eigenvalue`]).
-//! That is `sum a (u_i - u_j)^2 <= 4 sum V_i u_i^2` along each row of cells. Every cell shares its `4 V` out between its two faces, in
-//! proportion to their open parts; a face that gets `b_i` from one cell and `b_j` from the other keeps the inequality up to a weight
-//! of `b_i b_j / (b_i + b_j)`, and is given no more. Full cells give 2 and 2, which is a weight of 1; a cell of
-//! area V beside a wall gives its one neighbour `4 V / (1 + 2 V)`: less than 1 below half a cell, the limit of an exact analysis.
-//! Taking from the face and not giving to the area keeps the volume, and takes where the flow is small anyway: towards the wall.
-//! No cell has to be merged with another, and the time step stays as it is.
+//! Stability. All schemes need `-A` and `-B` between 0 and 4 (see [`crate::scheme::Polynomial::largest_eigenvalue`]),
+//! that is `sum a (u_i - u_j)^2 <= 4 sum V_i u_i^2` along each row of cells. Every cell divides its `4 V` between its
+//! two faces in proportion to their open parts; a face that gets `b_i` from one cell and `b_j` from the other
+//! satisfies the inequality up to a weight of `b_i b_j / (b_i + b_j)`, which is its limit. Full cells give 2 and 2, a
+//! weight of 1; a cell of area V beside a wall gives its one neighbour `4 V / (1 + 2 V)`: less than 1 below half a
+//! cell, the limit of an exact analysis. Reducing the face instead of enlarging the area conserves the volume, and
+//! reduces the flow towards the wall, which is small. No cells are merged, and the time step stays the same.
 
 use super::clip::{Convex, Cover, open_area};
-use super::faces::{Openings, soft_cells};
+use super::face_weights::FaceWeights;
+use super::load::{impedance_cells, loads};
+use super::rasterize::SolidMask;
 use super::slant::slants;
-use super::{Opening, SolidMask, Wall, WallCells};
+use super::wall::Wall;
+use super::wall_cells::{Opening, WallCells};
 use crate::grid::Grid;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
-/// A cell with less air than this is solid: what it held is a shift of the wall by about a micrometre on the papers' grid, and the faces that it
-/// closes are less than a forty-fifth of a cell (with a 256th, walls of an impedance along the diagonal were 0.07 off where they dropped such cells).
+/// A cell of a smaller open area is solid: on the papers' grid the wall is then shifted by about a micrometre, and
+/// the faces that it closes are less than a forty-fifth of a cell.
 const LEAST_AREA: f64 = 1.0 / 4096.0;
 
 /// Corners of the polygon that stands for a round joint, of the same area.
 const JOINT_CORNERS: usize = 64;
 
-/// What `walls` leave of the cells of a grid. Parts of walls outside the grid are left out.
+/// The cells of a grid, cut by `walls`. Parts of walls outside the grid are left out.
 pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
     let shapes: Vec<(usize, Convex)> = walls
         .iter()
         .enumerate()
         .flat_map(|(index, wall)| shapes(grid, wall).map(move |shape| (index, shape)))
         .collect();
-    // The wall that takes a cell or a part of it; the last of several.
+    // The wall that takes a cell or a part of it, the last of several.
     let mut owners: BTreeMap<usize, usize> = BTreeMap::new();
     let mut solid = SolidMask::open(grid.nx, grid.ny);
     // Shapes that cover a part of a cell, by the cell's index.
@@ -68,7 +71,7 @@ pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
             let inside = (1.0..(grid.nx - 1) as f64).contains(&x)
                 && (1.0..(grid.ny - 1) as f64).contains(&y);
             if !inside {
-                // The plain stencil has whole cells beyond the grid, and goes on to them.
+                // The plain stencil continues to cells beyond the grid, which are whole.
                 area = area.round();
             }
             if area < LEAST_AREA {
@@ -79,8 +82,8 @@ pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
             }
         }
     }
-    let soft = soft_cells(walls, &owners, &solid);
-    let open = Openings {
+    let impedance_cells = impedance_cells(walls, &owners, &solid);
+    let open = FaceWeights {
         solid: &solid,
         near: &near,
         areas: &areas,
@@ -100,7 +103,7 @@ pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
             }
         }
     }
-    let loads = open.loads(grid, walls, &soft);
+    let loads = loads(&open, grid, walls, &impedance_cells);
     let slants = slants(&open);
     WallCells::new(solid, partial)
         .with_loads(loads)

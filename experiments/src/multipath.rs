@@ -9,8 +9,9 @@ use fdtd::image_source::room::{Room, RoomPair, synthesize};
 use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState};
 use fdtd::waveform::PeriodicWaveform;
 use localizer::multipath::planes::Plane;
+use localizer::odometry::OdometrySample;
 use localizer::random::{stream, trial_seed};
-use localizer::recording::{OdometrySample, RecordingMeta};
+use localizer::recording::RecordingMeta;
 use localizer::{DirectWave, Parameters, Pose, Recording, Trajectory};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -109,7 +110,7 @@ fn sounds(
     parameters: &Parameters,
 ) -> Result<[Vec<f32>; 2]> {
     let waveform = PeriodicWaveform::new(
-        &localizer::waveform::transmit_period(parameters),
+        &localizer::signal::waveform::transmit_period(parameters),
         parameters.period_s(),
         19e3,
         parameters.sample_rate_hz,

@@ -3,9 +3,9 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use localizer::doppler::DopplerBank;
-use localizer::map_image::{self, MapImage};
-use localizer::particle_filter::ParticleFilter;
+use localizer::echo::DopplerBank;
+use localizer::filter::particle_filter::ParticleFilter;
+use localizer::image::map_image::{self, MapImage};
 use localizer::{EchoBlock, EchoSequence, Method, Odometry, Parameters, Pose};
 
 /// A signal without structure; the time does not depend on it.

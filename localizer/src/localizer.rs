@@ -1,18 +1,19 @@
 //! The streaming localizer: one period of samples in, one pose out.
 
-use crate::doppler::{DopplerBank, DopplerScratch};
-use crate::echoes::EchoBlock;
+use crate::echo::block_buffer::BlockBuffer;
+use crate::echo::doppler_bank::{DopplerBank, DopplerScratch};
+use crate::echo::echo_blocks::EchoBlock;
 use crate::error::Error;
-use crate::map_image::MapImage;
+use crate::filter::tracker::{Estimate, Tracker};
+use crate::image::map_image::MapImage;
+use crate::odometry::Odometry;
 use crate::parameters::{DirectWave, Parameters};
-use crate::pose::{Odometry, Pose};
-use crate::receiver::Receiver;
-use crate::tracker::{Estimate, Tracker};
+use crate::pose::Pose;
 
 /// Follows a robot in a known map, period by period.
 pub struct Localizer {
     parameters: Parameters,
-    receiver: Receiver,
+    buffer: BlockBuffer,
     bank: DopplerBank,
     scratch: DopplerScratch,
     block: EchoBlock,
@@ -45,7 +46,7 @@ impl Localizer {
             ));
         }
         Ok(Self {
-            receiver: Receiver::new(parameters),
+            buffer: BlockBuffer::new(parameters),
             scratch: bank.scratch(),
             block: EchoBlock::empty(&bank),
             tracker: Tracker::new(parameters, start, seed)?,
@@ -64,9 +65,9 @@ impl Localizer {
     /// above a tenth of that of sound. The step then has not taken place.
     pub fn step(&mut self, samples: &[f32], odometry: Odometry) -> Result<Option<Estimate>, Error> {
         // Section II-A: a block of the last M periods, one period further than the block before.
-        self.receiver.push(samples, odometry)?;
-        let index = self.receiver.block_index();
-        let Some((received, recent)) = self.receiver.block() else {
+        self.buffer.push(samples, odometry)?;
+        let index = self.buffer.block_index();
+        let Some((received, recent)) = self.buffer.block() else {
             return Ok(None);
         };
         // Eqs. (1)-(3): resample for every direction, add up the periods, correlate, take the envelope.

@@ -1,11 +1,11 @@
 //! Localization of a whole drive whose echoes are measured: the loop of the streaming localizer without its front end.
 
-use crate::echoes::EchoSequence;
+use crate::echo::echo_blocks::EchoSequence;
 use crate::error::Error;
-use crate::map_image::MapImage;
+use crate::filter::tracker::{Estimate, Tracker};
+use crate::image::map_image::MapImage;
 use crate::parameters::Parameters;
 use crate::pose::Pose;
-use crate::tracker::{Estimate, Tracker};
 use crate::trajectory::Trajectory;
 
 /// Estimates the pose at every block, with the result that [`crate::Localizer::step`] gives for the same samples.

@@ -8,8 +8,8 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::parameters::{Parameters, TimeReference};
 use crate::pose::wrap_angle;
-use crate::resample::{HALF_WIDTH, kernel};
-use crate::waveform::transmit_period;
+use crate::signal::time_scale::{HALF_WIDTH, kernel};
+use crate::signal::waveform::transmit_period;
 
 /// Eq. (2) and the sum over the periods of eq. (1): the block, zero beyond its ends, at
 /// `origin + (1 + excess) (k - origin)`, folded to one period.

@@ -12,10 +12,10 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use localizer::doppler::DopplerBank;
+use localizer::echo::DopplerBank;
+use localizer::image::map_image;
 use localizer::{
     DirectWave, EchoBlock, EchoSequence, Localizer, MapImage, Method, Odometry, Parameters, Pose,
-    map_image,
 };
 
 /// The system's allocator with a count of what was asked of it, by all threads. This file holds one test, so that no other

@@ -4,9 +4,10 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::Result;
-use localizer::doppler::DopplerBank;
-use localizer::particle_filter::ParticleFilter;
-use localizer::{EchoBlock, EchoSequence, MapImage, Method, Odometry, Parameters, Pose, map_image};
+use localizer::echo::DopplerBank;
+use localizer::filter::particle_filter::ParticleFilter;
+use localizer::image::map_image;
+use localizer::{EchoBlock, EchoSequence, MapImage, Method, Odometry, Parameters, Pose};
 use serde::Serialize;
 
 use super::stopwatch::Stopwatch;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::ValueEnum;
-use localizer::{Method, Pose, Recording, echoes, map_image, offline};
+use localizer::{MapImage, Method, Pose, Recording, echo, offline};
 
 use super::ParameterArguments;
 use super::output::{print, print_json};
@@ -71,7 +71,7 @@ impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         let recording = Recording::read(&self.recording)?;
-        let map = map_image::read(&self.map)?;
+        let map = MapImage::read(&self.map)?;
         let mut parameters = match self.parameters.parameters {
             Some(_) => self.parameters.read()?,
             None => map.parameters.clone(),
@@ -83,7 +83,7 @@ impl Arguments {
         parameters.particles = self.particles.unwrap_or(parameters.particles);
         parameters.check()?;
         let task = Board::new().task("localize", 2);
-        let sequence = echoes::measure(&recording, &parameters)?;
+        let sequence = echo::measure(&recording, &parameters)?;
         task.set(1);
         let estimates = offline::localize(
             &sequence,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use fdtd::scheme::Scheme;
-use localizer::map_image::{self, MapImage};
-use localizer::{EchoSequence, Parameters, Recording, echoes};
+use localizer::image::map_image::{self, MapImage};
+use localizer::{EchoSequence, Parameters, Recording, echo};
 
 use super::Laboratory;
 use crate::simulate::Take;
@@ -28,7 +28,7 @@ impl Laboratory {
             return Ok(map);
         }
         let recording = self.recording(&take, false)?;
-        let sequence = echoes::measure(&recording, &parameters)?;
+        let sequence = echo::measure(&recording, &parameters)?;
         let map = Arc::new(map_of(&recording, &sequence)?);
         if let Ok(mut maps) = self.maps.lock() {
             maps.insert(name, Arc::clone(&map));
@@ -47,7 +47,7 @@ impl Laboratory {
             return Ok(echoes);
         }
         let recording = self.recording(take, false)?;
-        let echoes = Arc::new(echoes::measure(&recording, parameters)?);
+        let echoes = Arc::new(echo::measure(&recording, parameters)?);
         if let Ok(mut recent) = self.recent.lock() {
             *recent = Some((name, Arc::clone(&echoes)));
         }

@@ -78,7 +78,7 @@ pub fn parameters_of(scene: &Scene, base: &Parameters) -> Parameters {
 pub fn source_waveform(scene: &Scene) -> Result<PeriodicWaveform> {
     let parameters = parameters_of(scene, &Parameters::default());
     parameters.check().context("waveform of the scene")?;
-    let samples = localizer::waveform::transmit_period(&parameters);
+    let samples = localizer::signal::waveform::transmit_period(&parameters);
     Ok(PeriodicWaveform::with_band(
         &samples,
         parameters.period_s(),

@@ -8,8 +8,8 @@
 use anyhow::{Context, Result};
 use fdtd::waveform::PeriodicWaveform;
 use localizer::Parameters;
-use localizer::doppler::DopplerBank;
-use localizer::waveform::transmit_period;
+use localizer::echo::DopplerBank;
+use localizer::signal::waveform::transmit_period;
 
 use crate::laboratory::Laboratory;
 use crate::metrics::rounded;

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use fdtd::rays::{RayKind, Reflectors, TraceOptions, trace};
 use fdtd::walls::Wall;
-use localizer::echoes;
+use localizer::echo;
 use localizer::{Parameters, ToaImage};
 use ndarray::Array2;
 
@@ -89,7 +89,7 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
         toa_image: ToaImage::Mean,
         ..lab.parameters.clone()
     };
-    let sequence = echoes::measure(&recording, parameters)?;
+    let sequence = echo::measure(&recording, parameters)?;
     let delays = parameters
         .delay_of_range(0.5 * SHOWN_M)
         .min(parameters.delays());

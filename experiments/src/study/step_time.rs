@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use localizer::doppler::DopplerBank;
-use localizer::tracker::Tracker;
-use localizer::{EchoSequence, MapImage, Method, Parameters, Recording, echoes};
+use localizer::echo::DopplerBank;
+use localizer::filter::tracker::Tracker;
+use localizer::{EchoSequence, MapImage, Method, Parameters, Recording, echo};
 
 use crate::laboratory::{Laboratory, measurement_of};
 use crate::metrics::{quantile, rounded};
@@ -69,7 +69,7 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
         method: Method::Doppler,
         ..lab.parameters.clone()
     };
-    let sequence = echoes::measure(&recording, &measurement_of(&doppler, &lab.parameters))?;
+    let sequence = echo::measure(&recording, &measurement_of(&doppler, &lab.parameters))?;
     let map = lab.map(None, &doppler)?;
     let mut table = Table::new(["stage", "half_width_m", "time_ms"]);
     let mut add = |stage: &str, half_width: String, times: &[f64]| {

@@ -1,7 +1,7 @@
 //! The dual-circle method: a transmitter lies where the circles around two receivers meet.
 
 use super::Beacons;
-use crate::Error;
+use crate::error::Error;
 
 /// The two points at distance `range_a_m` from `a` and `range_b_m` from `b`, eqs. (1)-(17) of Hsu et al. (2021) derived anew.
 ///

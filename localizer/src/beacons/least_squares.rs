@@ -1,7 +1,7 @@
 //! Least squares over the ranges of all receivers, with covariance.
 
 use super::{Beacons, minus};
-use crate::Error;
+use crate::error::Error;
 
 /// Steps after which the search gives up.
 const STEPS: usize = 100;

@@ -14,7 +14,7 @@ mod triangulation;
 pub use circles::intersections;
 pub use least_squares::Fix;
 
-use crate::Error;
+use crate::error::Error;
 
 /// Share of the greatest squared distance below which a triangle of receivers counts as a line.
 const FLAT: f64 = 1e-6;

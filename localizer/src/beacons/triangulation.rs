@@ -1,7 +1,7 @@
 //! Triangulation: bearings from the sides of triangles, crossed.
 
 use super::{Beacons, cross, minus};
-use crate::Error;
+use crate::error::Error;
 
 impl Beacons {
     /// Position where two bearings cross: at the first receiver against the baseline to the second, and at the second against the

@@ -7,11 +7,11 @@
 use ndarray::Array2;
 
 use super::peaks::{Picking, pick};
-use crate::blocks::map_blocks;
+use crate::echo::recording_blocks::map_blocks;
 use crate::error::Error;
+use crate::odometry::Odometry;
+use crate::odometry::mean_over_periods;
 use crate::parameters::Parameters;
-use crate::pose::Odometry;
-use crate::receiver::mean_odometry;
 use crate::recording::Recording;
 
 /// Arrival times of one block.
@@ -27,11 +27,11 @@ pub struct ArrivalBlock {
     pub times_s: Vec<f64>,
 }
 
-/// Measures the arrival times of every block; see [`crate::echoes::measure`] for what a block is and what is refused. The noise level is that
+/// Measures the arrival times of every block; see [`crate::echo::measure`] for what a block is and what is refused. The noise level is that
 /// of all delays up to `max_range_m`; peaks are picked at round trips of `round_trip_m`.
 ///
 /// # Errors
-/// As [`crate::echoes::measure`].
+/// As [`crate::echo::measure`].
 pub fn measure(
     recording: &Recording,
     parameters: &Parameters,
@@ -46,7 +46,7 @@ pub fn measure(
         parameters,
         |bank| (bank.scratch(), bank.intensity(), Vec::new()),
         |bank, (scratch, intensity, envelope), _, block, odometry| {
-            let v_mps = mean_odometry(odometry, 0.0, parameters.periods as f64).v_mps;
+            let v_mps = mean_over_periods(odometry, 0.0, parameters.periods as f64).v_mps;
             bank.measure(block, v_mps, scratch, intensity);
             largest(intensity, envelope);
             let peaks = pick(envelope, first..last, picking);
@@ -61,7 +61,7 @@ pub fn measure(
         ArrivalBlock {
             t_s: to * period_s,
             step_s: (to - from) * period_s,
-            odometry: mean_odometry(&odometry, from, to),
+            odometry: mean_over_periods(&odometry, from, to),
             times_s,
         }
     });
@@ -82,8 +82,9 @@ fn largest(intensity: &Array2<f32>, envelope: &mut Vec<f32>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{OdometrySample, RecordingMeta};
-    use crate::waveform::m_sequence;
+    use crate::odometry::OdometrySample;
+    use crate::recording::RecordingMeta;
+    use crate::signal::waveform::m_sequence;
     use std::f64::consts::TAU;
 
     /// The transmitted signal at any time: rectangular chips on the carrier.

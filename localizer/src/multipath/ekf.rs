@@ -2,7 +2,9 @@
 
 use super::arrivals::ArrivalBlock;
 use super::{association::associate, prediction::Predictor};
-use crate::{Odometry, Pose, Trajectory, pose::wrap_angle};
+use crate::odometry::Odometry;
+use crate::pose::{Pose, wrap_angle};
+use crate::trajectory::Trajectory;
 
 /// Noise of the wheels and of the arrival times, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]

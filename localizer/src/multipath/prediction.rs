@@ -1,7 +1,7 @@
 //! Predicted arrival times and their Jacobians (2021, eqs. (2) and (3)).
 
 use super::planes::{Plane, Reflection};
-use crate::Pose;
+use crate::pose::Pose;
 
 /// Which reflections the filter knows (2021, section 3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

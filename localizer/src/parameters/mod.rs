@@ -5,7 +5,7 @@ mod choices;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::waveform;
+use crate::signal::waveform;
 
 pub use self::choices::{
     DirectWave, Integration, Method, MotionModel, Resampling, TimeReference, ToaImage,

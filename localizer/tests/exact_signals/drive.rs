@@ -3,11 +3,10 @@
 use std::sync::LazyLock;
 
 use crate::signals::{Drive, localization_drive, mapping_drive, mean_error_m, record, room};
-use localizer::echoes::{EchoSequence, measure};
+use localizer::echo::{EchoSequence, measure};
+use localizer::image::map_image;
 use localizer::offline::localize;
-use localizer::{
-    DirectWave, Localizer, MapImage, Method, Odometry, Parameters, Pose, Recording, map_image,
-};
+use localizer::{DirectWave, Localizer, MapImage, Method, Odometry, Parameters, Pose, Recording};
 
 struct Fixture {
     map: MapImage,

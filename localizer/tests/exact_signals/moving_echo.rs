@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::signals::Transmitter;
-use localizer::doppler::DopplerBank;
+use localizer::echo::DopplerBank;
 use localizer::{Parameters, TimeReference};
 use ndarray::Array2;
 

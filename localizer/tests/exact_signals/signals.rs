@@ -1,7 +1,8 @@
 //! Exact signals of a moving loudspeaker-microphone pair among plane walls, for the tests.
 
-use localizer::recording::{OdometrySample, RecordingMeta};
-use localizer::waveform::transmit_period;
+use localizer::odometry::OdometrySample;
+use localizer::recording::RecordingMeta;
+use localizer::signal::waveform::transmit_period;
 use localizer::{Parameters, Pose, Recording, Trajectory};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;

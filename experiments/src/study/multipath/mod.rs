@@ -5,7 +5,7 @@ mod scene;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::{Context, Result};
-use localizer::dead_reckoning::dead_reckon;
+use localizer::filter::motion_model::dead_reckon;
 use localizer::multipath::arrivals;
 use localizer::multipath::ekf::{Noise, follow};
 use localizer::multipath::peaks::Picking;

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use fdtd::rays::Reflectors;
 use fdtd::scene::Scene;
-use localizer::dead_reckoning::dead_reckon;
+use localizer::filter::motion_model::dead_reckon;
 use localizer::multipath::arrivals;
 use localizer::multipath::ekf::follow;
 use localizer::multipath::planes::Plane;

@@ -6,15 +6,15 @@
 
 use ndarray::{Array2, ArrayView1, ArrayView2};
 
-use crate::bearings::{Bearings, from_minus_pi};
+use crate::image::bearing_index::{BearingIndex, from_minus_pi};
 use crate::parameters::Parameters;
 
 /// The pixels of a square window around the robot, in the order in which images are kept.
 #[derive(Debug, Clone)]
-pub struct Window {
+pub struct ImageWindow {
     half_cells: usize,
     /// Pixels with an echo, sorted by angle.
-    bearings: Bearings,
+    bearings: BearingIndex,
     /// Their delays in samples, eq. (5).
     delays: Vec<u32>,
     /// Offsets `[mx, my]` of all pixels: first those with an echo, then those too near or too far.
@@ -23,7 +23,7 @@ pub struct Window {
     places: Vec<u32>,
 }
 
-impl Window {
+impl ImageWindow {
     /// A window of `2 half_cells + 1` pixels a side; pixels nearer than `min_range_m` or beyond `max_range_m` are zero.
     pub fn new(parameters: &Parameters, half_cells: usize) -> Self {
         let half = half_cells as i32;
@@ -47,7 +47,7 @@ impl Window {
         let offsets: Vec<[i32; 2]> = near.iter().map(|pixel| pixel.2).chain(blind).collect();
         Self {
             half_cells,
-            bearings: Bearings::new(near.iter().map(|pixel| pixel.0).collect()),
+            bearings: BearingIndex::new(near.iter().map(|pixel| pixel.0).collect()),
             delays: near.iter().map(|pixel| pixel.1).collect(),
             places: offsets
                 .iter()
@@ -107,7 +107,7 @@ impl Window {
     }
 
     /// The pixels with an echo by the directions in which they are seen.
-    pub(crate) fn bearings(&self) -> &Bearings {
+    pub(crate) fn bearings(&self) -> &BearingIndex {
         &self.bearings
     }
 
@@ -151,7 +151,7 @@ mod tests {
         #[test]
         fn drawing_agrees_with_the_printed_equations(heading in -10.0..10.0, half in 1_usize..30, directions in 1_usize..40) {
             let parameters = Parameters { max_range_m: 2.5, directions, ..Parameters::default() };
-            let window = Window::new(&parameters, half);
+            let window = ImageWindow::new(&parameters, half);
             let polar = polar(directions, parameters.delays());
             let mut image = vec![9.0; window.len()];
             window.draw(polar.view(), heading, &mut image);
@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn one_row_stands_for_all_directions() {
         let parameters = Parameters::default();
-        let window = Window::new(&parameters, 10);
+        let window = ImageWindow::new(&parameters, 10);
         let mut image = vec![0.0; window.len()];
         window.draw(polar(0, parameters.delays()).view(), 1.0, &mut image);
         let array = window.to_array(&image);
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn left_and_right_of_the_heading_look_the_same() {
         let parameters = Parameters::default();
-        let window = Window::new(&parameters, 20);
+        let window = ImageWindow::new(&parameters, 20);
         let mut image = vec![0.0; window.len()];
         window.draw(polar(29, parameters.delays()).view(), 0.0, &mut image);
         let array = window.to_array(&image);

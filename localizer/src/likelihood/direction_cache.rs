@@ -12,8 +12,8 @@ use std::ops::Range;
 
 use ndarray::ArrayView2;
 
-use crate::echo_image::Window;
-use crate::mutual_information::{largest_of, quantize_by};
+use crate::image::echo_image::ImageWindow;
+use crate::likelihood::mutual_information::{largest_of, quantize_by};
 use crate::pose::wrap_angle;
 
 /// Pixels of a piece.
@@ -22,16 +22,16 @@ const PIECE: usize = 32;
 const NOT_YET: f32 = -1.0;
 
 /// Echoes of all directions over the pixels of a window, in its order, and the images that are put together from them.
-pub(crate) struct Sheets {
+pub(crate) struct DirectionCache {
     directions: usize,
-    pieces: Pieces,
-    /// Borders of all images, see [`crate::bearings::Bearings::borders`].
+    pieces: Strips,
+    /// Borders of all images, see [`crate::image::bearing_index::BearingIndex::borders`].
     borders: Vec<u32>,
 }
 
 /// What a heading's image is put together from.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Outline {
+pub(crate) struct ImageLayout {
     /// Largest echo of the image.
     pub(crate) largest: f32,
     /// A pixel that has it.
@@ -40,12 +40,12 @@ pub(crate) struct Outline {
     borders: Range<usize>,
 }
 
-impl Sheets {
+impl DirectionCache {
     /// For so many directions above 0, bins, and images of one block.
-    pub(crate) fn new(window: &Window, directions: usize, bins: usize, images: usize) -> Self {
+    pub(crate) fn new(window: &ImageWindow, directions: usize, bins: usize, images: usize) -> Self {
         Self {
             directions,
-            pieces: Pieces::new(window.lit(), directions, bins),
+            pieces: Strips::new(window.lit(), directions, bins),
             borders: Vec::with_capacity(images * 2 * directions),
         }
     }
@@ -65,17 +65,17 @@ impl Sheets {
     /// `before` is an earlier outline, best that of a heading close by.
     pub(crate) fn outline(
         &mut self,
-        window: &Window,
+        window: &ImageWindow,
         polar: ArrayView2<'_, f32>,
         heading_rad: f64,
-        before: Option<&Outline>,
-    ) -> Outline {
+        before: Option<&ImageLayout>,
+    ) -> ImageLayout {
         let first = self.borders.len();
         self.borders.resize(first + 2 * self.directions, 0);
         window
             .bearings()
             .borders(self.directions, heading_rad, &mut self.borders[first..]);
-        let mut outline = Outline {
+        let mut outline = ImageLayout {
             largest: 0.0,
             brightest: 0,
             heading_rad,
@@ -92,10 +92,10 @@ impl Sheets {
     /// Largest echo and its pixel, from those of an outline close by; nothing if a smaller echo might now be the largest.
     fn follow(
         &mut self,
-        window: &Window,
+        window: &ImageWindow,
         polar: ArrayView2<'_, f32>,
-        before: &Outline,
-        outline: &Outline,
+        before: &ImageLayout,
+        outline: &ImageLayout,
     ) -> Option<(f32, usize)> {
         let (mut largest, mut brightest) = (before.largest, before.brightest);
         let mut lost = false;
@@ -121,9 +121,9 @@ impl Sheets {
     /// Largest echo and its pixel, from all arcs.
     fn search(
         &mut self,
-        window: &Window,
+        window: &ImageWindow,
         polar: ArrayView2<'_, f32>,
-        outline: &Outline,
+        outline: &ImageLayout,
     ) -> (f32, usize) {
         let (mut largest, mut brightest) = (0.0, 0);
         let borders = &self.borders[outline.borders.clone()];
@@ -146,7 +146,7 @@ impl Sheets {
     }
 
     /// Writes the bins of an image, eq. (14), in the order of the window; pixels without an echo are zero.
-    pub(crate) fn draw(&mut self, window: &Window, outline: &Outline, image: &mut [u8]) {
+    pub(crate) fn draw(&mut self, window: &ImageWindow, outline: &ImageLayout, image: &mut [u8]) {
         if outline.largest <= 0.0 {
             return image.fill(0);
         }
@@ -159,7 +159,7 @@ impl Sheets {
     }
 
     /// True if [`Self::for_each_change`] can tell how the images of two outlines differ.
-    pub(crate) fn is_change(&self, before: &Outline, outline: &Outline) -> bool {
+    pub(crate) fn is_change(&self, before: &ImageLayout, outline: &ImageLayout) -> bool {
         before.largest == outline.largest && self.is_close(before, outline)
     }
 
@@ -167,9 +167,9 @@ impl Sheets {
     /// here. `before` was drawn, or followed, before any image with another maximum; [`Self::is_change`] holds.
     pub(crate) fn for_each_change(
         &mut self,
-        window: &Window,
-        before: &Outline,
-        outline: &Outline,
+        window: &ImageWindow,
+        before: &ImageLayout,
+        outline: &ImageLayout,
         mut told: impl FnMut(usize, &[u8], &[u8]),
     ) {
         if outline.largest <= 0.0 {
@@ -187,7 +187,7 @@ impl Sheets {
     }
 
     /// True if the borders of two outlines are those before and after a small turn.
-    fn is_close(&self, before: &Outline, outline: &Outline) -> bool {
+    fn is_close(&self, before: &ImageLayout, outline: &ImageLayout) -> bool {
         let turned = wrap_angle(outline.heading_rad - before.heading_rad).abs();
         turned < 0.49 * PI / self.directions as f64
     }
@@ -199,9 +199,9 @@ fn pieces_of(pixels: &Range<usize>) -> Range<usize> {
 }
 
 /// Echoes and their bins, sheet after sheet, each of whole pieces.
-struct Pieces {
+struct Strips {
     bins: usize,
-    /// Pieces of a sheet.
+    /// Strips of a sheet.
     per_sheet: usize,
     echoes: Vec<f32>,
     /// Largest echo of each piece; negative until it is laid out.
@@ -212,7 +212,7 @@ struct Pieces {
     maxima: Vec<f32>,
 }
 
-impl Pieces {
+impl Strips {
     /// Of sheets for directions 0 to `directions`.
     fn new(pixels: usize, directions: usize, bins: usize) -> Self {
         let per_sheet = pixels.div_ceil(PIECE);
@@ -245,7 +245,7 @@ impl Pieces {
     /// Lays a piece of a sheet out, if it is not yet, and returns its largest echo.
     fn lay_out(
         &mut self,
-        window: &Window,
+        window: &ImageWindow,
         polar: ArrayView2<'_, f32>,
         direction: usize,
         piece: usize,
@@ -282,7 +282,7 @@ impl Pieces {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mutual_information::quantize;
+    use crate::likelihood::mutual_information::quantize;
     use crate::parameters::Parameters;
     use ndarray::Array2;
     use proptest::prelude::*;
@@ -298,7 +298,7 @@ mod tests {
             power in 0_i32..6,
         ) {
             let parameters = Parameters { max_range_m: 2.5, directions, ..Parameters::default() };
-            let window = Window::new(&parameters, half);
+            let window = ImageWindow::new(&parameters, half);
             let headings: Vec<f64> = turns
                 .iter()
                 .scan(start, |heading: &mut f64, turn| {
@@ -306,7 +306,7 @@ mod tests {
                     Some(*heading)
                 })
                 .collect();
-            let mut sheets = Sheets::new(&window, directions, 127, headings.len());
+            let mut sheets = DirectionCache::new(&window, directions, 127, headings.len());
             let mut image = vec![0.0; window.len()];
             let (mut expected, mut drawn) = (vec![0; window.len()], vec![9; window.len()]);
             for block in 0..2 {
@@ -314,11 +314,11 @@ mod tests {
                     (((n * 7 + k * 13 + block) % 101) as f32).powi(power) - 1.0
                 });
                 sheets.clear();
-                let mut outlines: Vec<Outline> = Vec::new();
+                let mut outlines: Vec<ImageLayout> = Vec::new();
                 for &heading in &headings {
                     outlines.push(sheets.outline(&window, polar.view(), heading, outlines.last()));
                 }
-                let mut before: Option<Outline> = None;
+                let mut before: Option<ImageLayout> = None;
                 for (&heading, outline) in headings.iter().zip(outlines) {
                     window.draw(polar.view(), heading, &mut image);
                     quantize(&image, 127, &mut expected);

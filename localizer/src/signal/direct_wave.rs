@@ -12,7 +12,7 @@ use rustfft::{Fft, FftPlanner};
 
 use crate::error::Error;
 use crate::parameters::{DirectWave, Parameters};
-use crate::waveform::transmit_period;
+use crate::signal::waveform::transmit_period;
 
 /// Running estimate of one period of the direct wave.
 pub struct DirectWaveEstimate {

@@ -10,7 +10,7 @@
 
 /// Runs `work`, whose loops should be in its own body or in functions that are always inlined.
 #[inline]
-pub(crate) fn wide<R>(work: impl FnOnce() -> R) -> R {
+pub(crate) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the machine has the instructions.
@@ -36,6 +36,6 @@ mod tests {
             let polynomial = |u: f32| ((u * 0.3 + 0.1) * u + 0.7) * u - 0.2;
             numbers.iter().map(|&u| polynomial(u).to_bits()).collect()
         };
-        assert_eq!(wide(work), work());
+        assert_eq!(vectorized(work), work());
     }
 }

@@ -2,13 +2,11 @@
 
 use ndarray::Array2;
 
-use crate::echo_image::Window;
-use crate::echoes::EchoSequence;
+use crate::echo::echo_blocks::EchoSequence;
 use crate::error::Error;
+use crate::image::echo_image::ImageWindow;
 use crate::parameters::{Method, Parameters};
 use crate::pose::Pose;
-
-pub use crate::map_folder::{read, write};
 
 /// Largest number of cells of a map: more than any room needs, less than a machine's memory.
 const MOST_CELLS: i64 = 1 << 28;
@@ -52,7 +50,7 @@ impl MapImage {
     /// Cuts the window around a world cell out of a layer, eq. (13) before its quantization; zero outside of the map.
     ///
     /// `image` has `window.len()` elements in the order of `window.offsets()`.
-    pub fn crop(&self, method: Method, window: &Window, centre: [i64; 2], image: &mut [f32]) {
+    pub fn crop(&self, method: Method, window: &ImageWindow, centre: [i64; 2], image: &mut [f32]) {
         let layer = self.layer(method);
         let (rows, columns) = (layer.nrows() as i64, layer.ncols() as i64);
         let first = [
@@ -214,7 +212,7 @@ pub fn build(drives: &[(&EchoSequence, &[Pose])]) -> Result<MapImage, Error> {
         toa_only: Array2::zeros(shape),
         parameters: parameters.clone(),
     };
-    let window = Window::new(&parameters, reach_cells);
+    let window = ImageWindow::new(&parameters, reach_cells);
     let mut image = vec![0.0; window.len()];
     for (block, pose) in moving() {
         let [x, y] = sensor_cell(pose);
@@ -238,8 +236,8 @@ pub fn build(drives: &[(&EchoSequence, &[Pose])]) -> Result<MapImage, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::echoes::EchoBlock;
-    use crate::pose::Odometry;
+    use crate::echo::echo_blocks::EchoBlock;
+    use crate::odometry::Odometry;
 
     /// One block with a single echo at the given direction and range.
     fn sequence(
@@ -290,7 +288,7 @@ mod tests {
         let parameters = Parameters::default();
         let sequence = sequence(&parameters, 0, 2.0, false);
         let map = build(&[(&sequence, &[Pose::default()])]).unwrap();
-        let window = Window::new(&parameters, 3);
+        let window = ImageWindow::new(&parameters, 3);
         let mut image = vec![1.0; window.len()];
         map.crop(Method::Doppler, &window, [20, 0], &mut image);
         assert_eq!(window.to_array(&image)[[3, 3]], 30.0);

@@ -1,18 +1,21 @@
-//! Wheel odometry over time: `odometry.csv` with the header `t_s,v_mps,omega_radps`.
+//! Wheel odometry: speeds of the robot, sampled over time or as means over periods.
 
-use std::fmt::Write as _;
-use std::path::Path;
+use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::files;
-use crate::pose::Odometry;
-use crate::receiver::check_odometry;
-
-/// The first line of the file.
-const HEADER: &str = "t_s,v_mps,omega_radps";
 
 /// Longest time between two samples, and between the samples and the ends of the signal, in seconds.
 const LONGEST_GAP_S: f64 = 1.0;
+
+/// Speeds of a two-wheel robot, as its wheel encoders tell them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Odometry {
+    /// Speed along the heading in m/s, negative when reversing.
+    pub v_mps: f64,
+    /// Turning rate in rad/s, positive to the left.
+    pub omega_radps: f64,
+}
 
 /// Speeds at one instant; between two samples they change linearly.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,87 +28,29 @@ pub struct OdometrySample {
     pub omega_radps: f64,
 }
 
-/// Reads `odometry.csv`.
-///
-/// # Errors
-/// [`Error::Io`] when it cannot be read, otherwise those of [`parse`].
-pub fn read(path: &Path) -> Result<Vec<OdometrySample>, Error> {
-    parse(&files::read_text(path)?, &path.display().to_string())
-}
-
-/// Reads the text of an odometry file; `origin` names it in errors.
-///
-/// # Errors
-/// [`Error::Invalid`] with the line that is not three finite numbers or the header that is missing.
-pub fn parse(text: &str, origin: &str) -> Result<Vec<OdometrySample>, Error> {
-    let mut lines = text.lines().enumerate();
-    let remedy = format!("start with the line `{HEADER}`, then three numbers a line");
-    let header = lines
-        .next()
-        .map_or("", |(_, line)| line.trim().trim_start_matches('\u{feff}'));
-    if header.split(',').map(str::trim).ne(HEADER.split(',')) {
-        return Err(Error::invalid(
-            origin,
-            "line 1",
-            format!("`{header}` is not the header"),
-            remedy,
-        ));
+/// Refuses speeds that are not finite or not small against the speed of sound.
+pub(crate) fn check_speeds(
+    origin: impl std::fmt::Display,
+    field: impl std::fmt::Display,
+    odometry: Odometry,
+    fastest_mps: f64,
+) -> Result<(), Error> {
+    if odometry.v_mps.abs() <= fastest_mps && odometry.omega_radps.is_finite() {
+        return Ok(());
     }
-    lines
-        .filter(|(_, line)| !line.trim().is_empty())
-        .map(|(index, line)| {
-            let numbers: Vec<f64> = line
-                .split(',')
-                .map(|part| {
-                    part.trim()
-                        .parse()
-                        .ok()
-                        .filter(|number: &f64| number.is_finite())
-                })
-                .collect::<Option<_>>()
-                .unwrap_or_default();
-            match *numbers.as_slice() {
-                [t_s, v_mps, omega_radps] => Ok(OdometrySample {
-                    t_s,
-                    v_mps,
-                    omega_radps,
-                }),
-                _ => {
-                    let problem = format!("`{line}` is not three finite numbers");
-                    Err(Error::invalid(
-                        origin,
-                        format!("line {}", index + 1),
-                        problem,
-                        &remedy,
-                    ))
-                }
-            }
-        })
-        .collect()
-}
-
-/// Writes `odometry.csv` under a temporary name and renames it.
-///
-/// # Errors
-/// [`Error::Io`] when that fails.
-pub fn write(path: &Path, samples: &[OdometrySample]) -> Result<(), Error> {
-    let mut text = format!("{HEADER}\n");
-    for sample in samples {
-        // Writing to a string cannot fail. Display prints the shortest text that reads back to the same number.
-        let _ = writeln!(
-            text,
-            "{},{},{}",
-            sample.t_s, sample.v_mps, sample.omega_radps
-        );
-    }
-    files::write_bytes(path, text.as_bytes())
+    let problem = format!(
+        "v {} m/s and omega {} rad/s cannot be used",
+        odometry.v_mps, odometry.omega_radps
+    );
+    let remedy = format!("give finite speeds, v within {fastest_mps} m/s");
+    Err(Error::invalid(origin, field, problem, remedy))
 }
 
 /// Checks that samples are sorted, usable, and cover 0 to `duration_s` without long gaps.
 ///
 /// # Errors
 /// [`Error::Invalid`] with the first sample that does not fit.
-pub fn check(
+pub(crate) fn check_samples(
     samples: &[OdometrySample],
     duration_s: f64,
     fastest_mps: f64,
@@ -134,7 +79,7 @@ pub fn check(
             v_mps: sample.v_mps,
             omega_radps: sample.omega_radps,
         };
-        check_odometry(origin, &field, speeds, fastest_mps)?;
+        check_speeds(origin, &field, speeds, fastest_mps)?;
         let Some(before) = index.checked_sub(1).map(|before| samples[before].t_s) else {
             continue;
         };
@@ -167,7 +112,7 @@ pub fn check(
 /// Mean speeds from `start_s` to `end_s`, the samples joined by straight lines and continued at their ends.
 ///
 /// No samples are a robot at rest.
-pub fn mean(samples: &[OdometrySample], start_s: f64, end_s: f64) -> Odometry {
+pub fn mean_over_time(samples: &[OdometrySample], start_s: f64, end_s: f64) -> Odometry {
     let length = end_s - start_s;
     if length <= 0.0 {
         return at(samples, start_s);
@@ -208,6 +153,30 @@ fn at(samples: &[OdometrySample], t_s: f64) -> Odometry {
     }
 }
 
+/// Mean odometry between two instants given in periods from the start of `odometry[0]`, each entry lasting one period.
+///
+/// Beyond the ends the first and last entry continue. An empty slice is a robot at rest.
+pub fn mean_over_periods(odometry: &[Odometry], from_periods: f64, to_periods: f64) -> Odometry {
+    let Some(last) = odometry.len().checked_sub(1) else {
+        return Odometry::default();
+    };
+    let length = to_periods - from_periods;
+    if length <= 0.0 {
+        return odometry[(from_periods.max(0.0) as usize).min(last)];
+    }
+    let mut mean = Odometry::default();
+    let mut start = from_periods;
+    while start < to_periods {
+        let end = (start.floor() + 1.0).min(to_periods);
+        let entry = odometry[(start.floor().max(0.0) as usize).min(last)];
+        let share = (end - start) / length;
+        mean.v_mps += share * entry.v_mps;
+        mean.omega_radps += share * entry.omega_radps;
+        start = end;
+    }
+    mean
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -222,19 +191,35 @@ mod tests {
     }
 
     #[test]
+    fn means_take_shares_of_periods() {
+        let entry = |v_mps: f64| Odometry {
+            v_mps,
+            omega_radps: -v_mps,
+        };
+        let odometry = [entry(1.0), entry(2.0), entry(4.0)];
+        assert_eq!(mean_over_periods(&odometry, 1.0, 2.0), entry(2.0));
+        assert_eq!(mean_over_periods(&odometry, 0.5, 1.5), entry(1.5));
+        assert_eq!(mean_over_periods(&odometry, 2.5, 4.5), entry(4.0));
+        assert_eq!(mean_over_periods(&[], 0.0, 1.0), entry(0.0));
+    }
+
+    #[test]
     fn means_integrate_straight_lines() {
         let samples = [sample(0.0, 0.0), sample(1.0, 2.0), sample(2.0, 2.0)];
-        assert!((mean(&samples, 0.0, 1.0).v_mps - 1.0).abs() < 1e-12);
-        assert!((mean(&samples, 0.5, 1.5).v_mps - 1.75).abs() < 1e-12);
-        assert!((mean(&samples, 0.5, 1.5).omega_radps - 3.5).abs() < 1e-12);
-        assert!((mean(&samples, 3.0, 4.0).v_mps - 2.0).abs() < 1e-12);
-        assert_eq!(mean(&[], 0.0, 1.0), Odometry::default());
+        assert!((mean_over_time(&samples, 0.0, 1.0).v_mps - 1.0).abs() < 1e-12);
+        assert!((mean_over_time(&samples, 0.5, 1.5).v_mps - 1.75).abs() < 1e-12);
+        assert!((mean_over_time(&samples, 0.5, 1.5).omega_radps - 3.5).abs() < 1e-12);
+        assert!((mean_over_time(&samples, 3.0, 4.0).v_mps - 2.0).abs() < 1e-12);
+        assert_eq!(mean_over_time(&[], 0.0, 1.0), Odometry::default());
     }
 
     #[test]
     fn unusable_logs_are_refused() {
-        let message =
-            |samples: &[OdometrySample]| check(samples, 2.0, 34.0, "x").unwrap_err().to_string();
+        let message = |samples: &[OdometrySample]| {
+            check_samples(samples, 2.0, 34.0, "x")
+                .unwrap_err()
+                .to_string()
+        };
         assert!(message(&[]).contains("no samples"));
         assert!(
             message(&[sample(0.0, 0.1), sample(1.0, 0.1), sample(1.0, 0.1)]).contains("sample 3")
@@ -242,45 +227,14 @@ mod tests {
         assert!(message(&[sample(0.0, 0.1), sample(1.5, 0.1)]).contains("no sample between"));
         assert!(message(&[sample(0.0, 0.1), sample(0.5, 0.1)]).contains("covers"));
         assert!(message(&[sample(0.0, f64::NAN)]).contains("cannot be used"));
-        assert!(check(&[sample(0.5, 0.1), sample(1.2, 0.1)], 2.0, 34.0, "x").is_ok());
-    }
-
-    #[test]
-    fn parse_errors_name_the_line() {
-        let message = |text: &str| parse(text, "odometry.csv").unwrap_err().to_string();
-        assert!(message("").contains("line 1"));
-        assert!(message("t,v,w\n").contains("header"));
-        assert!(message("t_s,v_mps,omega_radps\n0,1\n").contains("line 2"));
-        assert!(message("t_s,v_mps,omega_radps\n0,1,2\n0,inf,2\n").contains("line 3"));
-        assert_eq!(
-            parse("t_s, v_mps, omega_radps\r\n0, 1, 2\r\n\r\n", "x").unwrap(),
-            [sample(0.0, 1.0)]
-        );
+        assert!(check_samples(&[sample(0.5, 0.1), sample(1.2, 0.1)], 2.0, 34.0, "x").is_ok());
     }
 
     proptest! {
         #[test]
-        fn text_is_read_back(values in prop::collection::vec((-10.0..10.0, -5.0..5.0, -5.0..5.0), 0..30)) {
-            let written: Vec<_> = values
-                .iter()
-                .map(|&(t_s, v_mps, omega_radps)| OdometrySample { t_s, v_mps, omega_radps })
-                .collect();
-            let folder = tempfile::tempdir().unwrap();
-            let path = folder.path().join("odometry.csv");
-            write(&path, &written).unwrap();
-            prop_assert_eq!(read(&path).unwrap(), written);
-        }
-
-        #[test]
-        fn no_text_panics(text in "[0-9,.eE+\\-\n ]{0,200}") {
-            let _ = parse(&format!("{HEADER}\n{text}"), "text");
-            let _ = parse(&text, "text");
-        }
-
-        #[test]
         fn a_mean_lies_between_the_extremes(values in prop::collection::vec(-1.0..1.0, 1..10), start in -1.0..5.0) {
             let samples: Vec<_> = values.iter().enumerate().map(|(k, &v)| sample(0.3 * k as f64, v)).collect();
-            let mean = mean(&samples, start, start + 1.0);
+            let mean = mean_over_time(&samples, start, start + 1.0);
             let (low, high) = values.iter().fold((1.0_f64, -1.0_f64), |(l, h), &v| (l.min(v), h.max(v)));
             prop_assert!(mean.v_mps >= low - 1e-9 && mean.v_mps <= high + 1e-9);
         }

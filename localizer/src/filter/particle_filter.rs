@@ -5,13 +5,14 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use crate::dead_reckoning::advance;
-use crate::map_image::MapImage;
-use crate::matcher::Matcher;
+use crate::filter::motion_model::advance;
+use crate::filter::resampling::{effective_sample_size, multinomial, systematic};
+use crate::image::map_image::MapImage;
+use crate::likelihood::particle_likelihood::ParticleLikelihood;
+use crate::odometry::Odometry;
 use crate::parameters::{Parameters, Resampling};
-use crate::pose::{Odometry, Pose, wrap_angle};
+use crate::pose::{Pose, wrap_angle};
 use crate::random;
-use crate::resampling::{effective_sample_size, multinomial, systematic};
 
 /// Candidates of the pose and what they believe.
 pub struct ParticleFilter {
@@ -20,7 +21,7 @@ pub struct ParticleFilter {
     weights: Vec<f64>,
     motion: ChaCha8Rng,
     draws: ChaCha8Rng,
-    matcher: Matcher,
+    matcher: ParticleLikelihood,
     parents: Vec<usize>,
     drawn: Vec<Pose>,
     information: Vec<f64>,
@@ -56,7 +57,7 @@ impl ParticleFilter {
             weights: vec![1.0 / count as f64; count],
             motion: random::stream(seed, "motion"),
             draws: random::stream(seed, "resampling"),
-            matcher: Matcher::new(parameters),
+            matcher: ParticleLikelihood::new(parameters),
             parents: vec![0; count],
             information: vec![0.0; count],
             parameters: parameters.clone(),

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use crate::blocks::Drive;
-use crate::doppler::{DopplerBank, DopplerScratch};
-use crate::echoes::EchoBlock;
+use crate::echo::doppler_bank::{DopplerBank, DopplerScratch};
+use crate::echo::echo_blocks::EchoBlock;
+use crate::echo::recording_blocks::Drive;
 use crate::error::Error;
+use crate::odometry::Odometry;
 use crate::parameters::Parameters;
-use crate::pose::Odometry;
 use crate::recording::Recording;
 
 /// Noise to be added to a recording, at several levels.
@@ -23,7 +23,7 @@ pub struct AddedNoise {
 ///
 /// All but the envelope of eqs. (1)-(3) is linear, so that the signal and each of the noises are correlated once, whatever the number of levels; and
 /// measuring some blocks at a time keeps little of the echoes in memory, where the whole drive at all levels would be gigabytes.
-pub struct NoisyEchoes<'a> {
+pub struct NoiseSweep<'a> {
     drive: Drive<'a>,
     parameters: &'a Parameters,
     noises: &'a [AddedNoise],
@@ -39,11 +39,11 @@ struct Scratch {
     freed: Vec<f32>,
 }
 
-impl<'a> NoisyEchoes<'a> {
+impl<'a> NoiseSweep<'a> {
     /// Checks a recording and noises for it. A free-field direct wave is subtracted from the signal alone.
     ///
     /// # Errors
-    /// As [`crate::echoes::measure`], and [`Error::Invalid`] when a noise has another length than the signal.
+    /// As [`crate::echo::measure`], and [`Error::Invalid`] when a noise has another length than the signal.
     pub fn new(
         recording: &'a Recording,
         noises: &'a [AddedNoise],
@@ -87,7 +87,7 @@ impl<'a> NoisyEchoes<'a> {
         vec![vec![block; levels]; count]
     }
 
-    /// Measures block `first` and those after it into [`Self::buffers`], in parallel over the blocks: what [`crate::echoes::measure`] gives for
+    /// Measures block `first` and those after it into [`Self::buffers`], in parallel over the blocks: what [`crate::echo::measure`] gives for
     /// each of the sums, within rounding.
     ///
     /// # Panics
@@ -154,9 +154,10 @@ impl<'a> NoisyEchoes<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::echoes::measure;
+    use crate::echo::measure;
+    use crate::odometry::OdometrySample;
     use crate::parameters::DirectWave;
-    use crate::recording::{OdometrySample, RecordingMeta};
+    use crate::recording::RecordingMeta;
 
     /// Two noises of several levels, against the sums measured one by one, for every way of removing the direct wave.
     #[test]
@@ -205,7 +206,7 @@ mod tests {
                 meta: RecordingMeta::from_parameters(&parameters),
             };
             let noisy: Vec<Vec<EchoBlock>> = {
-                let echoes = NoisyEchoes::new(&recording, &noises, &parameters).expect("valid");
+                let echoes = NoiseSweep::new(&recording, &noises, &parameters).expect("valid");
                 assert_eq!(echoes.blocks(), 4);
                 // In two parts, the buffers of the first used again.
                 let mut buffers = echoes.buffers(3);
@@ -251,7 +252,7 @@ mod tests {
                 samples: vec![0.0; length - 1],
                 levels: vec![1.0],
             }];
-            assert!(NoisyEchoes::new(&recording, &short, &parameters).is_err());
+            assert!(NoiseSweep::new(&recording, &short, &parameters).is_err());
         }
     }
 }

@@ -12,7 +12,8 @@ use std::sync::Arc;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
-use crate::wide::wide;
+use super::spectrum::{fast_length, multiply};
+use crate::simd::vectorized;
 
 /// Polynomial coefficients in the fraction of a sample.
 const BRANCHES: usize = 8;
@@ -52,7 +53,7 @@ fn bessel_i0(x: f64) -> f64 {
 }
 
 /// The filters of one block length, planned once.
-pub struct Resampler {
+pub struct TimeScaler {
     block_length: usize,
     transform_length: usize,
     forward: Arc<dyn Fft<f32>>,
@@ -61,7 +62,7 @@ pub struct Resampler {
     pairs: Vec<Vec<Complex<f32>>>,
 }
 
-/// A filtered block: what [`Resampler::prepare`] leaves for [`Resampler::fold`]. Owned by the caller and reused.
+/// A filtered block: what [`TimeScaler::prepare`] leaves for [`TimeScaler::fold`]. Owned by the caller and reused.
 pub struct Branches {
     spectrum: Vec<Complex<f32>>,
     product: Vec<Complex<f32>>,
@@ -69,7 +70,7 @@ pub struct Branches {
     signals: Vec<Vec<f32>>,
 }
 
-impl Resampler {
+impl TimeScaler {
     /// Plans the filters for blocks of `block_length` samples.
     pub fn new(block_length: usize) -> Self {
         let transform_length = fast_length(block_length + 2 * (MARGIN + HALF_WIDTH));
@@ -190,22 +191,9 @@ impl Resampler {
     }
 }
 
-/// The products of two spectra, line by line.
-pub(crate) fn multiply(
-    spectrum: &[Complex<f32>],
-    filter: &[Complex<f32>],
-    product: &mut [Complex<f32>],
-) {
-    wide(|| {
-        for ((product, value), weight) in product.iter_mut().zip(spectrum).zip(filter) {
-            *product = value * weight;
-        }
-    });
-}
-
 /// Real and imaginary parts.
 fn separate(values: &[Complex<f32>], real: &mut [f32], imaginary: &mut [f32]) {
-    wide(|| {
+    vectorized(|| {
         for ((value, re), im) in values.iter().zip(real).zip(imaginary) {
             (*re, *im) = (value.re, value.im);
         }
@@ -219,7 +207,7 @@ fn accumulate(signals: &[Vec<f32>], from: usize, fraction: f64, slope: f64, targ
     let part = |branch: usize| &signals[branch][from..from + count];
     let (s0, s1, s2, s3) = (part(0), part(1), part(2), part(3));
     let (s4, s5, s6, s7) = (part(4), part(5), part(6), part(7));
-    wide(|| {
+    vectorized(|| {
         for (i, out) in target.iter_mut().enumerate() {
             let u = fraction + slope * (i as i32 as f32);
             let high = ((s7[i] * u + s6[i]) * u + s5[i]) * u + s4[i];
@@ -256,25 +244,6 @@ fn branch_coefficients() -> Vec<[f64; BRANCHES]> {
         .collect()
 }
 
-/// The smallest 2^a 3^b 5^c with a >= 6 that is not below `length`: quick to transform.
-pub(crate) fn fast_length(length: usize) -> usize {
-    let mut best = length.next_power_of_two().max(64);
-    let mut fives = 64;
-    while fives < best {
-        let mut threes = fives;
-        while threes < best {
-            let mut twos = threes;
-            while twos < length {
-                twos *= 2;
-            }
-            best = best.min(twos);
-            threes *= 3;
-        }
-        fives *= 5;
-    }
-    best
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -282,7 +251,7 @@ mod tests {
     /// Largest error of a resampled tone against the exact one, relative to its amplitude, away from the ends.
     fn error_of_tone(frequency: f64, excess: f64) -> f64 {
         let (length, origin) = (8192, 4096.0);
-        let resampler = Resampler::new(length);
+        let resampler = TimeScaler::new(length);
         let mut branches = resampler.branches();
         let tone = |position: f64| (2.0 * PI * frequency * position + 0.3).sin();
         let block: Vec<f32> = (0..length).map(|k| tone(k as f64) as f32).collect();
@@ -316,7 +285,7 @@ mod tests {
     fn folding_agrees_with_the_plain_windowed_sinc() {
         let (period, periods) = (300, 3);
         let length = period * periods;
-        let resampler = Resampler::new(length);
+        let resampler = TimeScaler::new(length);
         let mut branches = resampler.branches();
         let block: Vec<f32> = (0..length)
             .map(|k| ((k * k) as f32 * 0.01).sin() + (k as f32 * 0.7).cos())
@@ -338,22 +307,6 @@ mod tests {
                     "{fast} is not {slow} at {excess}"
                 );
             }
-        }
-    }
-
-    #[test]
-    fn transforms_have_small_factors() {
-        assert_eq!(fast_length(24_808), 25_600);
-        assert_eq!(fast_length(10), 64);
-        for length in [100, 5000, 20_716, 61_380] {
-            let mut rest = fast_length(length);
-            assert!(rest >= length);
-            for prime in [2, 3, 5] {
-                while rest.is_multiple_of(prime) {
-                    rest /= prime;
-                }
-            }
-            assert_eq!(rest, 1);
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Motion of a two-wheel robot: eq. (8) without its noise, and wheel odometry alone.
 
+use crate::odometry::Odometry;
 use crate::parameters::{Integration, Parameters};
-use crate::pose::{Odometry, Pose, wrap_angle};
+use crate::pose::{Pose, wrap_angle};
 use crate::recording::Recording;
 use crate::trajectory::Trajectory;
 

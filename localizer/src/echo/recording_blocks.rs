@@ -4,13 +4,13 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use crate::direct_wave::{self, DirectWaveEstimate};
-use crate::doppler::DopplerBank;
+use crate::echo::block_buffer::remove_direct;
+use crate::echo::doppler_bank::DopplerBank;
 use crate::error::Error;
+use crate::odometry::Odometry;
 use crate::parameters::{DirectWave, Parameters};
-use crate::pose::Odometry;
-use crate::receiver::remove_direct;
 use crate::recording::Recording;
+use crate::signal::direct_wave::{self, DirectWaveEstimate};
 
 /// Blocks that one thread takes at a time: few, so that no thread waits long for another at the end.
 const TOGETHER: usize = 8;
@@ -30,7 +30,7 @@ impl<'a> Drive<'a> {
     /// Checks a recording.
     ///
     /// # Errors
-    /// As [`crate::echoes::measure`].
+    /// As [`crate::echo::measure`].
     pub(crate) fn new(recording: &'a Recording, parameters: &'a Parameters) -> Result<Self, Error> {
         let bank = DopplerBank::new(parameters)?;
         if parameters.for_recording(&recording.meta) != *parameters {
@@ -118,7 +118,7 @@ impl<'a> Drive<'a> {
 /// thread with its own buffers from `buffers`. Returns the results in order and the mean odometry of every period.
 ///
 /// # Errors
-/// As [`crate::echoes::measure`].
+/// As [`crate::echo::measure`].
 pub(crate) fn map_blocks<B, T: Send>(
     recording: &Recording,
     parameters: &Parameters,

@@ -2,41 +2,41 @@
 
 use ndarray::ArrayView2;
 
-use crate::crops::Crops;
-use crate::echo_image::Window;
-use crate::map_image::MapImage;
-use crate::mutual_information::{MutualInformation, quantize};
+use crate::image::echo_image::ImageWindow;
+use crate::image::map_image::MapImage;
+use crate::likelihood::direction_cache::{DirectionCache, ImageLayout};
+use crate::likelihood::map_patches::MapPatches;
+use crate::likelihood::mutual_information::{MutualInformation, quantize};
 use crate::parameters::{Method, Parameters};
 use crate::pose::{Pose, wrap_angle};
-use crate::sheets::{Outline, Sheets};
 
 /// Compares echo images with parts of the map, eqs. (9)-(16).
-pub(crate) struct Matcher {
+pub(crate) struct ParticleLikelihood {
     sensor_offset_m: [f64; 2],
     bins: usize,
-    window: Window,
+    window: ImageWindow,
     tool: MutualInformation,
-    sheets: Sheets,
+    sheets: DirectionCache,
     image: Vec<f32>,
     echo: Vec<u8>,
-    crops: Crops,
-    sights: Vec<Sight>,
+    crops: MapPatches,
+    sights: Vec<Comparison>,
     /// Largest echo, crop and place in `sights` of each, sorted.
     order: Vec<(u32, usize, usize)>,
 }
 
 /// What a particle is to be compared with.
 #[derive(Debug, Clone)]
-struct Sight {
+struct Comparison {
     particle: usize,
     crop: usize,
     heading_rad: f64,
-    outline: Outline,
+    outline: ImageLayout,
 }
 
-impl Matcher {
+impl ParticleLikelihood {
     pub(crate) fn new(parameters: &Parameters) -> Self {
-        let window = Window::new(parameters, parameters.window_cells());
+        let window = ImageWindow::new(parameters, parameters.window_cells());
         let particles = parameters.particles;
         let directions = match parameters.method {
             Method::Doppler => parameters.directions,
@@ -46,11 +46,11 @@ impl Matcher {
             sensor_offset_m: parameters.sensor_offset_m,
             bins: parameters.bins,
             tool: MutualInformation::new(parameters.bins, window.len()),
-            sheets: Sheets::new(&window, directions, parameters.bins, particles),
+            sheets: DirectionCache::new(&window, directions, parameters.bins, particles),
             image: vec![0.0; window.len()],
             echo: vec![0; window.len()],
             // As many as there can be cells with particles: made now, a step never has to allocate.
-            crops: Crops::new(parameters.method, &window, parameters.bins, particles),
+            crops: MapPatches::new(parameters.method, &window, parameters.bins, particles),
             sights: Vec::with_capacity(particles),
             order: Vec::with_capacity(particles),
             window,
@@ -70,10 +70,11 @@ impl Matcher {
         }
         if polar.nrows() != self.sheets.directions() + 1 {
             // Another number of directions than the parameters said.
-            self.sheets = Sheets::new(&self.window, polar.nrows() - 1, self.bins, particles.len());
+            self.sheets =
+                DirectionCache::new(&self.window, polar.nrows() - 1, self.bins, particles.len());
         }
         self.see(polar, map, particles);
-        let mut before: Option<&Sight> = None;
+        let mut before: Option<&Comparison> = None;
         for &(_, _, place) in &self.order {
             let sight = &self.sights[place];
             let crop = self.crops.get(sight.crop);
@@ -109,11 +110,11 @@ impl Matcher {
         self.sights.clear();
         for (particle, pose) in particles.iter().enumerate() {
             let crop = self.crop_around(map, pose);
-            self.sights.push(Sight {
+            self.sights.push(Comparison {
                 particle,
                 crop,
                 heading_rad: wrap_angle(pose.heading_rad),
-                outline: Outline::default(),
+                outline: ImageLayout::default(),
             });
         }
         self.sights
@@ -168,7 +169,7 @@ impl Matcher {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::particle_filter::ParticleFilter;
+    use crate::filter::particle_filter::ParticleFilter;
 
     #[test]
     fn information_agrees_with_the_printed_equations() {
@@ -193,7 +194,7 @@ mod tests {
         };
         map.toa_only.assign(&map.intensity);
         let filter = ParticleFilter::new(&parameters, Pose::default(), 4);
-        let window = Window::new(&parameters, 15);
+        let window = ImageWindow::new(&parameters, 15);
         for method in [Method::Doppler, Method::ToaOnly] {
             let polar = if method == Method::ToaOnly {
                 polar.slice(ndarray::s![3..4, ..])
@@ -201,7 +202,7 @@ mod tests {
                 polar.view()
             };
             let mut fast = vec![0.0; 100];
-            let mut matcher = Matcher::new(&Parameters {
+            let mut matcher = ParticleLikelihood::new(&Parameters {
                 method,
                 ..parameters.clone()
             });

@@ -2,17 +2,17 @@
 //!
 //! Particles in the same cell see the same part of the map; it is cut out and quantized once a step.
 
-use crate::echo_image::Window;
-use crate::map_image::MapImage;
-use crate::mutual_information::{MutualInformation, largest_of, quantize, quantize_by};
+use crate::image::echo_image::ImageWindow;
+use crate::image::map_image::MapImage;
+use crate::likelihood::mutual_information::{MutualInformation, largest_of, quantize, quantize_by};
 use crate::parameters::Method;
 
 /// The parts of the map that one step asks for.
-pub(crate) struct Crops {
+pub(crate) struct MapPatches {
     method: Method,
     bins: usize,
     /// Those of this step come first; the others are room for more.
-    crops: Vec<Crop>,
+    crops: Vec<MapPatch>,
     used: usize,
     /// Bins of a part that lies within the map, row by row.
     square: Vec<u8>,
@@ -21,7 +21,7 @@ pub(crate) struct Crops {
 }
 
 /// A quantized part of the map and, without bearings, its mutual information with the echo image.
-pub(crate) struct Crop {
+pub(crate) struct MapPatch {
     centre: [i64; 2],
     /// Bins in the order of the window.
     pub(crate) bins: Vec<u8>,
@@ -30,7 +30,7 @@ pub(crate) struct Crop {
     pub(crate) information: Option<f64>,
 }
 
-impl Crop {
+impl MapPatch {
     /// A crop of nothing yet.
     fn new(pixels: usize) -> Self {
         Self {
@@ -42,13 +42,13 @@ impl Crop {
     }
 }
 
-impl Crops {
+impl MapPatches {
     /// For a window and so many bins; nothing is allocated later as long as a step asks for `most` cells at most.
-    pub(crate) fn new(method: Method, window: &Window, bins: usize, most: usize) -> Self {
+    pub(crate) fn new(method: Method, window: &ImageWindow, bins: usize, most: usize) -> Self {
         Self {
             method,
             bins,
-            crops: (0..most).map(|_| Crop::new(window.len())).collect(),
+            crops: (0..most).map(|_| MapPatch::new(window.len())).collect(),
             used: 0,
             square: vec![0; window.len()],
             image: vec![0.0; window.len()],
@@ -61,7 +61,7 @@ impl Crops {
     }
 
     /// A crop by its number.
-    pub(crate) fn get(&mut self, number: usize) -> &mut Crop {
+    pub(crate) fn get(&mut self, number: usize) -> &mut MapPatch {
         &mut self.crops[number]
     }
 
@@ -69,7 +69,7 @@ impl Crops {
     pub(crate) fn around(
         &mut self,
         map: &MapImage,
-        window: &Window,
+        window: &ImageWindow,
         tool: &MutualInformation,
         centre: [i64; 2],
     ) -> usize {
@@ -81,7 +81,7 @@ impl Crops {
         self.used += 1;
         if number == self.crops.len() {
             // More particles than the parameters said.
-            self.crops.push(Crop::new(window.len()));
+            self.crops.push(MapPatch::new(window.len()));
         }
         self.cut(map, window, centre, number);
         let crop = &mut self.crops[number];
@@ -92,7 +92,7 @@ impl Crops {
     }
 
     /// Writes the bins around a world cell.
-    fn cut(&mut self, map: &MapImage, window: &Window, centre: [i64; 2], number: usize) {
+    fn cut(&mut self, map: &MapImage, window: &ImageWindow, centre: [i64; 2], number: usize) {
         let bins = &mut self.crops[number].bins;
         let Some(rows) = map.rows_around(self.method, window.half_cells(), centre) else {
             map.crop(self.method, window, centre, &mut self.image);
@@ -136,12 +136,12 @@ mod tests {
                 toa_only: Array2::zeros((45, 41)),
                 parameters: parameters.clone(),
             };
-            let window = Window::new(&parameters, half);
+            let window = ImageWindow::new(&parameters, half);
             let tool = MutualInformation::new(127, window.len());
             let (mut image, mut expected) = (vec![0.0; window.len()], vec![0; window.len()]);
             for method in [Method::Doppler, Method::ToaOnly] {
                 // Fewer than there may be cells.
-                let mut crops = Crops::new(method, &window, 127, 3);
+                let mut crops = MapPatches::new(method, &window, 127, 3);
                 let numbers: Vec<usize> = centres
                     .iter()
                     .map(|&(x, y)| crops.around(&map, &window, &tool, [x, y]))

@@ -4,7 +4,7 @@
 //! `(sum n ln n (joint) - sum n ln n (first) - sum n ln n (second)) / N + ln N`, and n ln n comes from a table of fixed-point numbers. Their
 //! sums are exact: they do not depend on an order, and follow when single pixels change.
 
-use crate::wide::wide;
+use crate::simd::vectorized;
 
 /// Copies of counts of single bins, so that a run of equal pixels does not wait for itself.
 const LANES: usize = 4;
@@ -131,7 +131,7 @@ impl MutualInformation {
         }
         self.joint_sum = sum;
         let rows = self.joint.chunks_exact(width).take(width);
-        wide(|| {
+        vectorized(|| {
             for (single, row) in self.single.iter_mut().zip(rows) {
                 *single = row.iter().sum();
             }
@@ -175,7 +175,7 @@ pub fn quantize(image: &[f32], bins: usize, quantized: &mut [u8]) {
 /// [`quantize`] by a positive maximum that is known.
 pub(crate) fn quantize_by(largest: f32, image: &[f32], bins: usize, quantized: &mut [u8]) {
     let bins = bins as f32;
-    wide(|| {
+    vectorized(|| {
         for (bin, &value) in quantized.iter_mut().zip(image) {
             *bin = floor((value / largest) * bins);
         }

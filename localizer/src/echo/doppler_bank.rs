@@ -11,11 +11,11 @@ use std::f64::consts::PI;
 
 use ndarray::Array2;
 
-use crate::correlation::{Correlator, CorrelatorScratch};
 use crate::error::Error;
 use crate::parameters::{Parameters, TimeReference};
-use crate::resample::{Branches, Resampler};
-use crate::waveform::transmit_period;
+use crate::signal::matched_filter::{MatchedFilter, MatchedFilterScratch};
+use crate::signal::time_scale::{Branches, TimeScaler};
+use crate::signal::waveform::transmit_period;
 
 /// Everything that is planned once for a set of parameters.
 pub struct DopplerBank {
@@ -30,15 +30,15 @@ pub struct DopplerBank {
     speed_of_sound_mps: f64,
     /// Position in the block, in samples, that the resampling leaves in place.
     origin: f64,
-    resampler: Resampler,
-    correlator: Correlator,
+    resampler: TimeScaler,
+    correlator: MatchedFilter,
 }
 
 /// Buffers of [`DopplerBank::measure`], owned by the caller and reused from block to block.
 pub struct DopplerScratch {
     branches: Branches,
     folded: [Vec<f32>; 2],
-    correlation: CorrelatorScratch,
+    correlation: MatchedFilterScratch,
     envelopes: [Vec<f32>; 2],
 }
 
@@ -68,8 +68,8 @@ impl DopplerBank {
                 TimeReference::Centre => 0.5 * block_length as f64,
                 TimeReference::Start => 0.0,
             },
-            resampler: Resampler::new(block_length),
-            correlator: Correlator::new(&transmit_period(parameters), parameters.periods, lags),
+            resampler: TimeScaler::new(block_length),
+            correlator: MatchedFilter::new(&transmit_period(parameters), parameters.periods, lags),
         })
     }
 

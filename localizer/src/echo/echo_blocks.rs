@@ -2,12 +2,13 @@
 
 use ndarray::{Array2, ArrayView2, aview1};
 
-use crate::blocks::map_blocks;
-use crate::doppler::DopplerBank;
+use crate::echo::doppler_bank::DopplerBank;
+use crate::echo::recording_blocks::map_blocks;
 use crate::error::Error;
+use crate::odometry::Odometry;
+use crate::odometry::mean_over_periods;
 use crate::parameters::{Method, Parameters, ToaImage};
-use crate::pose::{Odometry, Pose};
-use crate::receiver::mean_odometry;
+use crate::pose::Pose;
 use crate::recording::Recording;
 use crate::trajectory::Trajectory;
 
@@ -62,7 +63,7 @@ impl EchoBlock {
     ) {
         self.index = index;
         self.t_s = (index as f64 + parameters.reference_periods()) * parameters.period_s();
-        self.odometry = mean_odometry(odometry, 0.0, parameters.periods as f64);
+        self.odometry = mean_over_periods(odometry, 0.0, parameters.periods as f64);
         self.stationary = self.odometry.v_mps.abs() < parameters.min_speed_mps;
     }
 

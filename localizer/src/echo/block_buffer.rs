@@ -1,12 +1,12 @@
 //! From periods of samples to blocks of M periods, one block per period: the front end of the streaming localizer.
 
-use crate::direct_wave::DirectWaveEstimate;
 use crate::error::Error;
+use crate::odometry::{Odometry, check_speeds};
 use crate::parameters::Parameters;
-use crate::pose::Odometry;
+use crate::signal::direct_wave::DirectWaveEstimate;
 
 /// The last M periods of the received signal and the odometry that goes with them.
-pub struct Receiver {
+pub struct BlockBuffer {
     period: usize,
     periods: usize,
     fastest_mps: f64,
@@ -21,7 +21,7 @@ pub struct Receiver {
     count: usize,
 }
 
-impl Receiver {
+impl BlockBuffer {
     /// A receiver that has heard nothing yet. `parameters` are checked ones.
     pub fn new(parameters: &Parameters) -> Self {
         let (period, periods) = (parameters.samples_per_period(), parameters.periods);
@@ -62,7 +62,7 @@ impl Receiver {
                 "give finite samples",
             ));
         }
-        check_odometry("step", "odometry", odometry, self.fastest_mps)?;
+        check_speeds("step", "odometry", odometry, self.fastest_mps)?;
         self.received.copy_within(self.period.., 0);
         let start = self.received.len() - self.period;
         self.received[start..].copy_from_slice(samples);
@@ -104,64 +104,9 @@ pub(crate) fn remove_direct(received: &[f32], direct: &[f32], block: &mut [f32])
     }
 }
 
-/// Refuses speeds that are not finite or not small against the speed of sound.
-pub(crate) fn check_odometry(
-    origin: impl std::fmt::Display,
-    field: impl std::fmt::Display,
-    odometry: Odometry,
-    fastest_mps: f64,
-) -> Result<(), Error> {
-    if odometry.v_mps.abs() <= fastest_mps && odometry.omega_radps.is_finite() {
-        return Ok(());
-    }
-    let problem = format!(
-        "v {} m/s and omega {} rad/s cannot be used",
-        odometry.v_mps, odometry.omega_radps
-    );
-    let remedy = format!("give finite speeds, v within {fastest_mps} m/s");
-    Err(Error::invalid(origin, field, problem, remedy))
-}
-
-/// Mean odometry between two instants given in periods from the start of `odometry[0]`, each entry lasting one period.
-///
-/// Beyond the ends the first and last entry continue. An empty slice is a robot at rest.
-pub fn mean_odometry(odometry: &[Odometry], from_periods: f64, to_periods: f64) -> Odometry {
-    let Some(last) = odometry.len().checked_sub(1) else {
-        return Odometry::default();
-    };
-    let length = to_periods - from_periods;
-    if length <= 0.0 {
-        return odometry[(from_periods.max(0.0) as usize).min(last)];
-    }
-    let mut mean = Odometry::default();
-    let mut start = from_periods;
-    while start < to_periods {
-        let end = (start.floor() + 1.0).min(to_periods);
-        let entry = odometry[(start.floor().max(0.0) as usize).min(last)];
-        let share = (end - start) / length;
-        mean.v_mps += share * entry.v_mps;
-        mean.omega_radps += share * entry.omega_radps;
-        start = end;
-    }
-    mean
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn means_take_shares_of_periods() {
-        let entry = |v_mps: f64| Odometry {
-            v_mps,
-            omega_radps: -v_mps,
-        };
-        let odometry = [entry(1.0), entry(2.0), entry(4.0)];
-        assert_eq!(mean_odometry(&odometry, 1.0, 2.0), entry(2.0));
-        assert_eq!(mean_odometry(&odometry, 0.5, 1.5), entry(1.5));
-        assert_eq!(mean_odometry(&odometry, 2.5, 4.5), entry(4.0));
-        assert_eq!(mean_odometry(&[], 0.0, 1.0), entry(0.0));
-    }
 
     #[test]
     fn a_block_comes_with_the_last_of_its_periods_and_bad_input_changes_nothing() {
@@ -169,16 +114,16 @@ mod tests {
             periods: 2,
             ..Parameters::default()
         };
-        let mut receiver = Receiver::new(&parameters);
+        let mut buffer = BlockBuffer::new(&parameters);
         let period = vec![0.5; 4092];
-        assert!(receiver.push(&period[1..], Odometry::default()).is_err());
+        assert!(buffer.push(&period[1..], Odometry::default()).is_err());
         assert!(
-            receiver
+            buffer
                 .push(&vec![f32::NAN; 4092], Odometry::default())
                 .is_err()
         );
         assert!(
-            receiver
+            buffer
                 .push(
                     &period,
                     Odometry {
@@ -188,14 +133,14 @@ mod tests {
                 )
                 .is_err()
         );
-        assert!(receiver.push(&period, Odometry::default()).is_ok());
-        assert!(receiver.block().is_none());
-        assert!(receiver.push(&period, Odometry::default()).is_ok());
+        assert!(buffer.push(&period, Odometry::default()).is_ok());
+        assert!(buffer.block().is_none());
+        assert!(buffer.push(&period, Odometry::default()).is_ok());
         assert!(
-            receiver.block().is_some_and(
+            buffer.block().is_some_and(
                 |(block, _)| block.len() == 8184 && block.iter().all(|&s| s.abs() < 1e-6)
             )
         );
-        assert_eq!(receiver.block_index(), 0);
+        assert_eq!(buffer.block_index(), 0);
     }
 }

@@ -18,7 +18,7 @@ const DOUBTFUL: u32 = 4;
 
 /// Angles of pixels in cyclic order, and where to find them.
 #[derive(Debug, Clone)]
-pub(crate) struct Bearings {
+pub(crate) struct BearingIndex {
     /// World angles in [-pi, pi), sorted.
     angles_rad: Vec<f64>,
     /// The angle at which the order starts; no pixel is near it.
@@ -41,12 +41,12 @@ fn parts_of_turn(angle_rad: f64) -> u64 {
     ((turns - turns.floor()) * 2.0_f64.powi(64)) as u64
 }
 
-/// The upper half of a number of 2^-64 of a turn, as [`Bearings::codes`] has it.
+/// The upper half of a number of 2^-64 of a turn, as [`BearingIndex::codes`] has it.
 fn code(parts: u64) -> i32 {
     ((parts >> 32) as u32 ^ 1 << 31) as i32
 }
 
-impl Bearings {
+impl BearingIndex {
     /// Of sorted angles in [-pi, pi), see [`from_minus_pi`].
     pub(crate) fn new(angles_rad: Vec<f64>) -> Self {
         // Half way between the last one and pi, which is -pi and therefore among the first ones.
@@ -233,7 +233,7 @@ mod tests {
 
     fn arcs_agree(half: i32, directions: usize, heading_rad: f64) {
         let angles = square(half);
-        let bearings = Bearings::new(angles.clone());
+        let bearings = BearingIndex::new(angles.clone());
         let mut borders = vec![0; 2 * directions];
         bearings.borders(directions, heading_rad, &mut borders);
         let plain = seen(&angles, directions, heading_rad);
@@ -280,7 +280,7 @@ mod tests {
             steps in -0.499..0.499,
         ) {
             let angles = square(half);
-            let bearings = Bearings::new(angles.clone());
+            let bearings = BearingIndex::new(angles.clone());
             let turned = heading + steps * PI / directions as f64;
             let borders = [heading, turned].map(|heading| {
                 let mut borders = vec![0; 2 * directions];
@@ -300,7 +300,7 @@ mod tests {
 
     #[test]
     fn no_pixels_have_no_arcs() {
-        let nothing = Bearings::new(Vec::new());
+        let nothing = BearingIndex::new(Vec::new());
         let mut borders = [0; 10];
         nothing.borders(5, 1.0, &mut borders);
         nothing.for_each_arc(&borders, |_, _| panic!("an arc of nothing"));

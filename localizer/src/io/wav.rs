@@ -6,8 +6,8 @@ use std::path::Path;
 
 use hound::{SampleFormat, WavReader, WavSpec, WavWriter};
 
+use super::files;
 use crate::error::Error;
-use crate::files;
 
 /// Reads a mono WAV file of the given rate.
 ///

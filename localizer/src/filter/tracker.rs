@@ -1,13 +1,14 @@
 //! One step of self-localization from measured echoes: what the streaming and the offline localizer share.
 
-use crate::dead_reckoning::advance;
-use crate::echoes::EchoBlock;
+use crate::echo::echo_blocks::EchoBlock;
 use crate::error::Error;
-use crate::map_image::MapImage;
+use crate::filter::motion_model::advance;
+use crate::filter::particle_filter::ParticleFilter;
+use crate::image::map_image::MapImage;
+use crate::odometry::Odometry;
+use crate::odometry::mean_over_periods;
 use crate::parameters::{Method, Parameters};
-use crate::particle_filter::ParticleFilter;
-use crate::pose::{Odometry, Pose};
-use crate::receiver::mean_odometry;
+use crate::pose::Pose;
 
 /// What one step tells about the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,7 +81,7 @@ impl Tracker {
         let expected = self.filter.expectation();
         self.filter.resample();
         let rest = recent.len() as f64 - here;
-        let onward = mean_odometry(recent, here, recent.len() as f64);
+        let onward = mean_over_periods(recent, here, recent.len() as f64);
         Estimate {
             t_s: block.t_s,
             pose: expected.pose,
@@ -102,16 +103,20 @@ impl Tracker {
         let reference = self.parameters.reference_periods();
         let period_s = self.parameters.period_s();
         if self.started {
-            self.filter
-                .predict(mean_odometry(recent, reference, reference + 1.0), period_s);
+            self.filter.predict(
+                mean_over_periods(recent, reference, reference + 1.0),
+                period_s,
+            );
             return reference + 1.0;
         }
         self.started = true;
         let mut start = 0.0;
         while start < reference {
             let end = (start + 1.0_f64).min(reference);
-            self.filter
-                .predict(mean_odometry(recent, start, end), (end - start) * period_s);
+            self.filter.predict(
+                mean_over_periods(recent, start, end),
+                (end - start) * period_s,
+            );
             start = end;
         }
         reference

@@ -6,11 +6,11 @@ use ndarray::Array2;
 use ndarray_npy::{ReadNpyExt, WriteNpyExt};
 use serde::{Deserialize, Serialize};
 
+use super::files;
 use crate::error::Error;
-use crate::files;
-use crate::map_image::MapImage;
+use crate::fnv::Fnv;
+use crate::image::map_image::MapImage;
 use crate::parameters::Parameters;
-use crate::random::Fnv;
 
 /// The content of `map.json`.
 #[derive(Debug, Serialize, Deserialize)]
@@ -26,82 +26,84 @@ struct MapHeader {
     parameters: Parameters,
 }
 
-/// Writes a map folder, making it if necessary. Every file is written under a temporary name and renamed.
-///
-/// # Errors
-/// [`Error`] when a file cannot be written.
-pub fn write(map: &MapImage, folder: &Path) -> Result<(), Error> {
-    files::make_folder(folder)?;
-    write_npy(&folder.join("map.npy"), &map.intensity)?;
-    write_npy(&folder.join("map_toa.npy"), &map.toa_only)?;
-    files::write_bytes(&folder.join("map.pgm"), &occupancy_picture(&map.intensity))?;
-    // A map server's origin is the lower left corner of the lower left cell.
-    let [x_m, y_m] = map.origin_m().map(|centre| centre - 0.5 * map.cell_m);
-    let yaml = format!(
-        "image: map.pgm\nresolution: {:.6}\norigin: [{x_m:.6}, {y_m:.6}, 0.0]\nnegate: 0\noccupied_thresh: 0.5\nfree_thresh: 0.2\n",
-        map.cell_m
-    );
-    files::write_bytes(&folder.join("map.yaml"), yaml.as_bytes())?;
-    let header = MapHeader {
-        origin_cell: map.origin_cell,
-        origin_m: map.origin_m(),
-        cell_m: map.cell_m,
-        hash: hash(map),
-        parameters: map.parameters.clone(),
-    };
-    files::write_json(&folder.join("map.json"), &header)
-}
+impl MapImage {
+    /// Writes a map folder, making it if necessary. Every file is written under a temporary name and renamed.
+    ///
+    /// # Errors
+    /// [`Error`] when a file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+        files::make_folder(folder)?;
+        write_npy(&folder.join("map.npy"), &self.intensity)?;
+        write_npy(&folder.join("map_toa.npy"), &self.toa_only)?;
+        files::write_bytes(&folder.join("map.pgm"), &occupancy_picture(&self.intensity))?;
+        // A map server's origin is the lower left corner of the lower left cell.
+        let [x_m, y_m] = self.origin_m().map(|centre| centre - 0.5 * self.cell_m);
+        let yaml = format!(
+            "image: map.pgm\nresolution: {:.6}\norigin: [{x_m:.6}, {y_m:.6}, 0.0]\nnegate: 0\noccupied_thresh: 0.5\nfree_thresh: 0.2\n",
+            self.cell_m
+        );
+        files::write_bytes(&folder.join("map.yaml"), yaml.as_bytes())?;
+        let header = MapHeader {
+            origin_cell: self.origin_cell,
+            origin_m: self.origin_m(),
+            cell_m: self.cell_m,
+            hash: hash(self),
+            parameters: self.parameters.clone(),
+        };
+        files::write_json(&folder.join("map.json"), &header)
+    }
 
-/// Reads a map folder; the ROS pair is not needed.
-///
-/// # Errors
-/// [`Error`] when a file is missing or damaged or the files do not belong together.
-pub fn read(folder: &Path) -> Result<MapImage, Error> {
-    let path = folder.join("map.json");
-    let header: MapHeader = files::read_json(&path)?;
-    let refuse = |field: &str, problem: &str| {
-        Error::invalid(
-            path.display(),
-            field,
-            problem,
-            "make the map anew with the command `map`",
-        )
-    };
-    if !(header.cell_m.is_finite() && header.cell_m > 0.0) {
-        return Err(refuse("cell_m", "is not a positive number"));
+    /// Reads a map folder; the ROS pair is not needed.
+    ///
+    /// # Errors
+    /// [`Error`] when a file is missing or damaged or the files do not belong together.
+    pub fn read(folder: &Path) -> Result<Self, Error> {
+        let path = folder.join("map.json");
+        let header: MapHeader = files::read_json(&path)?;
+        let refuse = |field: &str, problem: &str| {
+            Error::invalid(
+                path.display(),
+                field,
+                problem,
+                "make the map anew with the command `map`",
+            )
+        };
+        if !(header.cell_m.is_finite() && header.cell_m > 0.0) {
+            return Err(refuse("cell_m", "is not a positive number"));
+        }
+        if header.origin_cell.iter().any(|cell| cell.abs() > 1 << 40) {
+            return Err(refuse("origin_cell", "is out of any room"));
+        }
+        header.parameters.check()?;
+        let map = Self {
+            origin_cell: header.origin_cell,
+            cell_m: header.cell_m,
+            intensity: read_npy(&folder.join("map.npy"))?,
+            toa_only: read_npy(&folder.join("map_toa.npy"))?,
+            parameters: header.parameters,
+        };
+        if hash(&map) != header.hash {
+            return Err(refuse(
+                "hash",
+                "map.npy and map_toa.npy are not those of this map.json",
+            ));
+        }
+        if map.intensity.dim() != map.toa_only.dim() {
+            return Err(refuse("hash", "map.npy and map_toa.npy differ in shape"));
+        }
+        if map
+            .intensity
+            .iter()
+            .chain(&map.toa_only)
+            .any(|value| !value.is_finite() || *value < 0.0)
+        {
+            return Err(refuse(
+                "hash",
+                "the map has values that are negative or not finite",
+            ));
+        }
+        Ok(map)
     }
-    if header.origin_cell.iter().any(|cell| cell.abs() > 1 << 40) {
-        return Err(refuse("origin_cell", "is out of any room"));
-    }
-    header.parameters.check()?;
-    let map = MapImage {
-        origin_cell: header.origin_cell,
-        cell_m: header.cell_m,
-        intensity: read_npy(&folder.join("map.npy"))?,
-        toa_only: read_npy(&folder.join("map_toa.npy"))?,
-        parameters: header.parameters,
-    };
-    if hash(&map) != header.hash {
-        return Err(refuse(
-            "hash",
-            "map.npy and map_toa.npy are not those of this map.json",
-        ));
-    }
-    if map.intensity.dim() != map.toa_only.dim() {
-        return Err(refuse("hash", "map.npy and map_toa.npy differ in shape"));
-    }
-    if map
-        .intensity
-        .iter()
-        .chain(&map.toa_only)
-        .any(|value| !value.is_finite() || *value < 0.0)
-    {
-        return Err(refuse(
-            "hash",
-            "the map has values that are negative or not finite",
-        ));
-    }
-    Ok(map)
 }
 
 fn write_npy(path: &Path, layer: &Array2<f32>) -> Result<(), Error> {
@@ -166,8 +168,8 @@ mod tests {
     #[test]
     fn a_folder_is_read_back() {
         let folder = tempfile::tempdir().unwrap();
-        write(&map(), folder.path()).unwrap();
-        assert_eq!(read(folder.path()).unwrap(), map());
+        map().write(folder.path()).unwrap();
+        assert_eq!(MapImage::read(folder.path()).unwrap(), map());
         let yaml = std::fs::read_to_string(folder.path().join("map.yaml")).unwrap();
         assert!(
             yaml.contains("origin: [-0.350000, 0.450000, 0.0]"),
@@ -184,22 +186,22 @@ mod tests {
     fn mixed_up_folders_are_noticed() {
         let folder = tempfile::tempdir().unwrap();
         assert!(
-            read(folder.path())
+            MapImage::read(folder.path())
                 .unwrap_err()
                 .to_string()
                 .contains("map.json")
         );
-        write(&map(), folder.path()).unwrap();
+        map().write(folder.path()).unwrap();
         write_npy(&folder.path().join("map.npy"), &Array2::zeros((4, 6))).unwrap();
         assert!(
-            read(folder.path())
+            MapImage::read(folder.path())
                 .unwrap_err()
                 .to_string()
                 .contains("hash")
         );
         std::fs::write(folder.path().join("map.npy"), b"no array").unwrap();
         assert!(
-            read(folder.path())
+            MapImage::read(folder.path())
                 .unwrap_err()
                 .to_string()
                 .contains("map.npy")

@@ -13,11 +13,11 @@ use std::sync::Arc;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
-use crate::resample::{fast_length, multiply};
-use crate::wide::wide;
+use super::spectrum::{fast_length, multiply};
+use crate::simd::vectorized;
 
 /// The transforms of one transmitted period, planned once.
-pub(crate) struct Correlator {
+pub(crate) struct MatchedFilter {
     period: usize,
     lags: usize,
     forward: Arc<dyn Fft<f32>>,
@@ -26,21 +26,21 @@ pub(crate) struct Correlator {
     replicas: [Vec<Complex<f32>>; 2],
 }
 
-/// Buffers of [`Correlator::correlate`], owned by the caller and reused.
-pub(crate) struct CorrelatorScratch {
+/// Buffers of [`MatchedFilter::correlate`], owned by the caller and reused.
+pub(crate) struct MatchedFilterScratch {
     joint: Vec<Complex<f32>>,
     products: [Vec<Complex<f32>>; 2],
     work: Vec<Complex<f32>>,
 }
 
-impl CorrelatorScratch {
+impl MatchedFilterScratch {
     /// The first `count` lags of the products.
     fn lags(&self, count: usize) -> [&[Complex<f32>]; 2] {
         self.products.each_ref().map(|product| &product[..count])
     }
 }
 
-impl Correlator {
+impl MatchedFilter {
     /// Plans the correlation with `transmitted` over the first `lags` lags (at most a period of them). Signals are sums over
     /// `periods` periods.
     pub(crate) fn new(transmitted: &[f64], periods: usize, lags: usize) -> Self {
@@ -71,13 +71,13 @@ impl Correlator {
     }
 
     /// Buffers for [`Self::correlate`].
-    pub(crate) fn scratch(&self) -> CorrelatorScratch {
+    pub(crate) fn scratch(&self) -> MatchedFilterScratch {
         let buffer = || vec![Complex::new(0.0, 0.0); self.forward.len()];
         let (forward, inverse) = (&self.forward, &self.inverse);
         let work = forward
             .get_inplace_scratch_len()
             .max(inverse.get_inplace_scratch_len());
-        CorrelatorScratch {
+        MatchedFilterScratch {
             joint: buffer(),
             products: [buffer(), buffer()],
             work: vec![Complex::new(0.0, 0.0); work],
@@ -85,8 +85,8 @@ impl Correlator {
     }
 
     /// Correlates two signals of one period each, for [`Self::envelopes`]: linear in the signals.
-    pub(crate) fn correlate(&self, signals: &[Vec<f32>; 2], scratch: &mut CorrelatorScratch) {
-        let CorrelatorScratch {
+    pub(crate) fn correlate(&self, signals: &[Vec<f32>; 2], scratch: &mut MatchedFilterScratch) {
+        let MatchedFilterScratch {
             joint,
             products,
             work,
@@ -105,10 +105,10 @@ impl Correlator {
     }
 
     /// The envelopes, over the lags, of the two signals that were correlated last.
-    pub(crate) fn envelopes(&self, scratch: &CorrelatorScratch, envelopes: &mut [Vec<f32>; 2]) {
+    pub(crate) fn envelopes(&self, scratch: &MatchedFilterScratch, envelopes: &mut [Vec<f32>; 2]) {
         let [with, against] = scratch.lags(self.lags);
         let [first, second] = envelopes;
-        wide(|| {
+        vectorized(|| {
             let pairs = with.iter().zip(against);
             for ((one, other), (&with, &against)) in first.iter_mut().zip(second).zip(pairs) {
                 [*one, *other] = magnitudes(with, against);
@@ -119,15 +119,15 @@ impl Correlator {
     /// [`Self::envelopes`] of the signals of `scratch` plus `level` times those of `noise`.
     pub(crate) fn envelopes_of_sum(
         &self,
-        scratch: &CorrelatorScratch,
-        noise: &CorrelatorScratch,
+        scratch: &MatchedFilterScratch,
+        noise: &MatchedFilterScratch,
         level: f32,
         envelopes: &mut [Vec<f32>; 2],
     ) {
         let [with, against] = scratch.lags(self.lags);
         let [noise_with, noise_against] = noise.lags(self.lags);
         let [first, second] = envelopes;
-        wide(|| {
+        vectorized(|| {
             let pairs = with.iter().zip(against);
             let noises = noise_with.iter().zip(noise_against);
             let envelopes = first.iter_mut().zip(second);
@@ -189,7 +189,7 @@ mod tests {
             let signals = [0.11, 0.73].map(|a: f32| -> Vec<f32> {
                 (0..period).map(|k| ((k * k) as f32 * a).cos()).collect()
             });
-            let correlator = Correlator::new(&transmitted, 3, lags);
+            let correlator = MatchedFilter::new(&transmitted, 3, lags);
             let mut scratch = correlator.scratch();
             let mut envelopes = [vec![0.0; lags], vec![0.0; lags]];
             for _ in 0..2 {

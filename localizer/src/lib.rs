@@ -48,7 +48,7 @@ pub use filter::tracker::Estimate;
 pub use image::MapImage;
 pub use odometry::Odometry;
 pub use parameters::{
-    DirectWave, Integration, Method, MotionModel, Parameters, Resampling, TimeReference, ToaImage,
+    DirectWave, Integration, Method, Parameters, Resampling, TimeReference, ToaImage,
 };
 pub use pose::Pose;
 pub use recording::Recording;

@@ -35,7 +35,7 @@ impl Localizer {
     ) -> Result<Self, Error> {
         let bank = DopplerBank::new(parameters)?;
         map.check(parameters)?;
-        if parameters.direct_wave == DirectWave::FreeField {
+        if parameters.measurement.direct_wave == DirectWave::FreeField {
             let remedy =
                 "subtract the free field from the samples and choose keep, or choose running-mean";
             return Err(Error::invalid(
@@ -74,7 +74,7 @@ impl Localizer {
         self.block.set_motion(
             &self.parameters,
             index,
-            &recent[recent.len() - self.parameters.periods..],
+            &recent[recent.len() - self.parameters.measurement.periods..],
         );
         self.bank.measure(
             received,
@@ -82,7 +82,7 @@ impl Localizer {
             &mut self.scratch,
             &mut self.block.intensity,
         );
-        self.block.set_toa(self.parameters.toa_image);
+        self.block.set_toa(self.parameters.measurement.toa_image);
         // Eqs. (8)-(18): move the particles, weigh them by the map, take their mean, draw the next ones.
         Ok(Some(self.tracker.update(&self.block, recent, &self.map)))
     }

@@ -77,10 +77,11 @@ impl Arguments {
             None => map.parameters.clone(),
         }
         .for_recording(&recording.meta);
-        parameters.method = self.method.into();
-        parameters.periods = self.periods.unwrap_or(parameters.periods);
-        parameters.window_half_width_m = self.window.unwrap_or(parameters.window_half_width_m);
-        parameters.particles = self.particles.unwrap_or(parameters.particles);
+        parameters.filter.method = self.method.into();
+        parameters.measurement.periods = self.periods.unwrap_or(parameters.measurement.periods);
+        parameters.filter.window_half_width_m =
+            self.window.unwrap_or(parameters.filter.window_half_width_m);
+        parameters.filter.particles = self.particles.unwrap_or(parameters.filter.particles);
         parameters.check()?;
         let task = Board::new().task("localize", 2);
         let sequence = echo::measure(&recording, &parameters)?;

@@ -35,7 +35,7 @@ impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         let mut parameters = self.parameters.read()?;
-        parameters.periods = self.periods.unwrap_or(parameters.periods);
+        parameters.measurement.periods = self.periods.unwrap_or(parameters.measurement.periods);
         let board = Board::new();
         let task = board.task("map", self.recordings.len() as u64);
         let mut drives: Vec<(EchoSequence, Vec<Pose>)> = Vec::new();

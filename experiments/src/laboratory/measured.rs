@@ -73,20 +73,10 @@ pub fn map_of(recording: &Recording, sequence: &EchoSequence) -> Result<MapImage
     Ok(map_image::build(&[(sequence, &sequence.poses(truth))])?)
 }
 
-/// The parameters with everything that the filter alone uses set to that of `base`: equal for trials that can share measured echoes and map.
+/// The parameters with the filter's set to those of `base`: equal for trials that can share measured echoes and map.
 pub fn measurement_of(parameters: &Parameters, base: &Parameters) -> Parameters {
     Parameters {
-        method: base.method,
-        window_half_width_m: base.window_half_width_m,
-        particles: base.particles,
-        sigma_v_mps: base.sigma_v_mps,
-        sigma_omega_radps: base.sigma_omega_radps,
-        bins: base.bins,
-        integration: base.integration,
-        likelihood_exponent: base.likelihood_exponent,
-        resample_threshold: base.resample_threshold,
-        start_sigma_m: base.start_sigma_m,
-        start_sigma_rad: base.start_sigma_rad,
+        filter: base.filter,
         ..parameters.clone()
     }
 }

@@ -5,6 +5,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use localizer::echo::DopplerBank;
 use localizer::filter::tracker::Tracker;
+use localizer::parameters::FilterParameters;
 use localizer::{EchoSequence, MapImage, Method, Parameters, Recording, echo};
 
 use crate::laboratory::{Laboratory, measurement_of};
@@ -66,7 +67,10 @@ fn filter_times_ms(
 pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     let recording = lab.recording(&lab.take("localization", None), false)?;
     let doppler = Parameters {
-        method: Method::Doppler,
+        filter: FilterParameters {
+            method: Method::Doppler,
+            ..lab.parameters.filter
+        },
         ..lab.parameters.clone()
     };
     let sequence = echo::measure(&recording, &measurement_of(&doppler, &lab.parameters))?;
@@ -82,7 +86,10 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     let mut filter_by_window = Vec::new();
     for &half_width_m in &lab.plan.half_widths_m {
         let parameters = Parameters {
-            window_half_width_m: half_width_m,
+            filter: FilterParameters {
+                window_half_width_m: half_width_m,
+                ..doppler.filter
+            },
             ..doppler.clone()
         };
         let times = filter_times_ms(lab, &recording, &sequence, &map, &parameters)?;

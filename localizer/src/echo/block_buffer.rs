@@ -24,11 +24,14 @@ pub struct BlockBuffer {
 impl BlockBuffer {
     /// A receiver that has heard nothing yet. `parameters` are checked ones.
     pub fn new(parameters: &Parameters) -> Self {
-        let (period, periods) = (parameters.samples_per_period(), parameters.periods);
+        let (period, periods) = (
+            parameters.samples_per_period(),
+            parameters.measurement.periods,
+        );
         Self {
             period,
             periods,
-            fastest_mps: 0.1 * parameters.speed_of_sound_mps,
+            fastest_mps: 0.1 * parameters.signal.speed_of_sound_mps,
             direct: DirectWaveEstimate::new(parameters),
             direct_period: vec![0.0; period],
             received: vec![0.0; period * periods],
@@ -107,11 +110,15 @@ pub(crate) fn remove_direct(received: &[f32], direct: &[f32], block: &mut [f32])
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::MeasurementParameters;
 
     #[test]
     fn a_block_comes_with_the_last_of_its_periods_and_bad_input_changes_nothing() {
         let parameters = Parameters {
-            periods: 2,
+            measurement: MeasurementParameters {
+                periods: 2,
+                ..MeasurementParameters::default()
+            },
             ..Parameters::default()
         };
         let mut buffer = BlockBuffer::new(&parameters);

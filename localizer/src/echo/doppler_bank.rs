@@ -50,10 +50,12 @@ impl DopplerBank {
     pub fn new(parameters: &Parameters) -> Result<Self, Error> {
         parameters.check()?;
         let period = parameters.samples_per_period();
-        let block_length = parameters.periods * period;
+        let block_length = parameters.measurement.periods * period;
         let (delays, pool) = (
             parameters.delays(),
-            parameters.delay_of_range(parameters.range_pool_m),
+            parameters
+                .signal
+                .delay_of_range(parameters.measurement.range_pool_m),
         );
         let lags = (delays + pool).min(period);
         Ok(Self {
@@ -61,15 +63,19 @@ impl DopplerBank {
             block_length,
             delays,
             lags,
-            directions: parameters.directions,
+            directions: parameters.measurement.directions,
             pool,
-            speed_of_sound_mps: parameters.speed_of_sound_mps,
-            origin: match parameters.time_reference {
+            speed_of_sound_mps: parameters.signal.speed_of_sound_mps,
+            origin: match parameters.measurement.time_reference {
                 TimeReference::Centre => 0.5 * block_length as f64,
                 TimeReference::Start => 0.0,
             },
             resampler: TimeScaler::new(block_length),
-            correlator: MatchedFilter::new(&transmit_period(parameters), parameters.periods, lags),
+            correlator: MatchedFilter::new(
+                &transmit_period(&parameters.signal),
+                parameters.measurement.periods,
+                lags,
+            ),
         })
     }
 

@@ -5,8 +5,7 @@ use ndarray::{Array2, ArrayView2, aview1};
 use crate::echo::doppler_bank::DopplerBank;
 use crate::echo::recording_blocks::map_blocks;
 use crate::error::Error;
-use crate::odometry::Odometry;
-use crate::odometry::mean_over_periods;
+use crate::odometry::{Odometry, mean_over_periods};
 use crate::parameters::{Method, Parameters, ToaImage};
 use crate::pose::Pose;
 use crate::recording::Recording;
@@ -62,9 +61,10 @@ impl EchoBlock {
         odometry: &[Odometry],
     ) {
         self.index = index;
-        self.t_s = (index as f64 + parameters.reference_periods()) * parameters.period_s();
-        self.odometry = mean_over_periods(odometry, 0.0, parameters.periods as f64);
-        self.stationary = self.odometry.v_mps.abs() < parameters.min_speed_mps;
+        self.t_s =
+            (index as f64 + parameters.measurement.reference_periods()) * parameters.period_s();
+        self.odometry = mean_over_periods(odometry, 0.0, parameters.measurement.periods as f64);
+        self.stationary = self.odometry.v_mps.abs() < parameters.measurement.min_speed_mps;
     }
 
     /// Gathers the measured intensity of all directions.
@@ -98,7 +98,7 @@ impl EchoSequence {
 
     /// The odometry that a filter needs for a block: that of its M periods, preceded by the period before if there is one.
     pub fn recent_odometry(&self, block: usize) -> &[Odometry] {
-        let end = (block + self.parameters.periods).min(self.odometry.len());
+        let end = (block + self.parameters.measurement.periods).min(self.odometry.len());
         &self.odometry[block.saturating_sub(1).min(end)..end]
     }
 }
@@ -118,7 +118,7 @@ pub fn measure(recording: &Recording, parameters: &Parameters) -> Result<EchoSeq
             let mut block = EchoBlock::empty(bank);
             block.set_motion(parameters, index, odometry);
             bank.measure(samples, block.odometry.v_mps, scratch, &mut block.intensity);
-            block.set_toa(parameters.toa_image);
+            block.set_toa(parameters.measurement.toa_image);
             block
         },
     )?;
@@ -132,11 +132,15 @@ pub fn measure(recording: &Recording, parameters: &Parameters) -> Result<EchoSeq
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::MeasurementParameters;
 
     #[test]
     fn a_range_only_image_is_the_mean_or_the_strongest_of_the_directions() {
         let parameters = Parameters {
-            directions: 3,
+            measurement: MeasurementParameters {
+                directions: 3,
+                ..MeasurementParameters::default()
+            },
             ..Parameters::default()
         };
         let bank = DopplerBank::new(&parameters).expect("valid parameters");

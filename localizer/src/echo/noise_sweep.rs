@@ -135,7 +135,7 @@ impl<'a> NoiseSweep<'a> {
             block.set_motion(self.parameters, index, drive.odometry_of(index));
         }
         let v_mps = noisy.first().map_or(0.0, |block| block.odometry.v_mps);
-        for pair in DopplerBank::pairs(self.parameters.directions) {
+        for pair in DopplerBank::pairs(self.parameters.measurement.directions) {
             bank.correlate(pair, v_mps, signal);
             let mut blocks = noisy.iter_mut();
             for (noise, scratch) in self.noises.iter().zip(&mut *noises) {
@@ -146,7 +146,7 @@ impl<'a> NoiseSweep<'a> {
             }
         }
         for block in noisy {
-            block.set_toa(self.parameters.toa_image);
+            block.set_toa(self.parameters.measurement.toa_image);
         }
     }
 }
@@ -156,7 +156,7 @@ mod tests {
     use super::*;
     use crate::echo::measure;
     use crate::odometry::OdometrySample;
-    use crate::parameters::DirectWave;
+    use crate::parameters::{DirectWave, MeasurementParameters};
     use crate::recording::RecordingMeta;
 
     /// Two noises of several levels, against the sums measured one by one, for every way of removing the direct wave.
@@ -169,10 +169,13 @@ mod tests {
             DirectWave::FreeField,
         ] {
             let parameters = Parameters {
-                periods: 2,
-                directions: 4,
-                direct_wave,
-                range_pool_m: 0.01,
+                measurement: MeasurementParameters {
+                    periods: 2,
+                    directions: 4,
+                    direct_wave,
+                    range_pool_m: 0.01,
+                    ..MeasurementParameters::default()
+                },
                 ..Parameters::default()
             };
             let length = 5 * parameters.samples_per_period();

@@ -44,10 +44,10 @@ impl<'a> Drive<'a> {
         }
         recording.check("recording")?;
         let count = recording.signal.len() / parameters.samples_per_period();
-        if count < parameters.periods {
+        if count < parameters.measurement.periods {
             let problem = format!(
                 "holds {count} whole periods, one block needs {}",
-                parameters.periods
+                parameters.measurement.periods
             );
             return Err(Error::invalid(
                 "recording",
@@ -56,7 +56,7 @@ impl<'a> Drive<'a> {
                 "record longer or choose fewer periods",
             ));
         }
-        let signal = match parameters.direct_wave {
+        let signal = match parameters.measurement.direct_wave {
             DirectWave::FreeField => Cow::Owned(direct_wave::subtract_free_field(
                 &recording.signal,
                 recording.direct.as_deref(),
@@ -75,7 +75,7 @@ impl<'a> Drive<'a> {
     pub(crate) fn directs(&self, signal: &[f32]) -> Vec<Vec<f32>> {
         let (period, periods) = (
             self.parameters.samples_per_period(),
-            self.parameters.periods,
+            self.parameters.measurement.periods,
         );
         let mut estimate = DirectWaveEstimate::new(self.parameters);
         let mut directs = Vec::with_capacity(self.odometry.len() + 1 - periods);
@@ -105,12 +105,12 @@ impl<'a> Drive<'a> {
 
     /// Odometry of the periods of block `index`, preceded by that of the period before if there is one.
     pub(crate) fn recent_odometry(&self, index: usize) -> &[Odometry] {
-        &self.odometry[index.saturating_sub(1)..index + self.parameters.periods]
+        &self.odometry[index.saturating_sub(1)..index + self.parameters.measurement.periods]
     }
 
     /// Mean odometry of the periods of block `index`.
     pub(crate) fn odometry_of(&self, index: usize) -> &[Odometry] {
-        &self.odometry[index..index + self.parameters.periods]
+        &self.odometry[index..index + self.parameters.measurement.periods]
     }
 }
 

@@ -38,7 +38,7 @@ pub fn dead_reckon(recording: &Recording, parameters: &Parameters, start: Pose) 
         .into_iter()
         .enumerate()
     {
-        pose = advance(&pose, odometry, period_s, parameters.integration);
+        pose = advance(&pose, odometry, period_s, parameters.filter.integration);
         trajectory.t_s.push((n + 1) as f64 * period_s);
         trajectory.poses.push(pose);
     }

@@ -41,14 +41,16 @@ pub struct Expectation {
 impl ParticleFilter {
     /// Particles around `start`; `parameters` are checked ones. Equal seeds give equal runs.
     pub fn new(parameters: &Parameters, start: Pose, seed: u64) -> Self {
-        let count = parameters.particles;
+        let count = parameters.filter.particles;
         let mut spread = random::stream(seed, "start");
         let mut normal = |sigma: f64| sigma * spread.sample::<f64, _>(StandardNormal);
         let particles: Vec<Pose> = (0..count)
             .map(|_| Pose {
-                x_m: start.x_m + normal(parameters.start_sigma_m),
-                y_m: start.y_m + normal(parameters.start_sigma_m),
-                heading_rad: wrap_angle(start.heading_rad + normal(parameters.start_sigma_rad)),
+                x_m: start.x_m + normal(parameters.filter.start_sigma_m),
+                y_m: start.y_m + normal(parameters.filter.start_sigma_m),
+                heading_rad: wrap_angle(
+                    start.heading_rad + normal(parameters.filter.start_sigma_rad),
+                ),
             })
             .collect();
         Self {
@@ -79,12 +81,18 @@ impl ParticleFilter {
         for particle in &mut self.particles {
             let noisy = Odometry {
                 v_mps: odometry.v_mps
-                    + self.parameters.sigma_v_mps * self.motion.sample::<f64, _>(StandardNormal),
+                    + self.parameters.filter.sigma_v_mps
+                        * self.motion.sample::<f64, _>(StandardNormal),
                 omega_radps: odometry.omega_radps
-                    + self.parameters.sigma_omega_radps
+                    + self.parameters.filter.sigma_omega_radps
                         * self.motion.sample::<f64, _>(StandardNormal),
             };
-            *particle = advance(particle, noisy, duration_s, self.parameters.integration);
+            *particle = advance(
+                particle,
+                noisy,
+                duration_s,
+                self.parameters.filter.integration,
+            );
         }
     }
 
@@ -102,7 +110,7 @@ impl ParticleFilter {
     /// Eq. (17) with given likelihoods, one per particle: posterior = prior times likelihood to the power
     /// `likelihood_exponent`, normalized. Weights stay as they are if none is positive.
     pub fn weigh_by(&mut self, likelihoods: &[f64]) {
-        let exponent = self.parameters.likelihood_exponent;
+        let exponent = self.parameters.filter.likelihood_exponent;
         let tempered = |value: f64| {
             if exponent == 1.0 {
                 value
@@ -160,11 +168,11 @@ impl ParticleFilter {
         let count = self.particles.len() as f64;
         // With equal weights rounding may lift the effective sample size a little above the number of particles.
         if effective_sample_size(&self.weights)
-            > self.parameters.resample_threshold * count * (1.0 + 1e-9)
+            > self.parameters.filter.resample_threshold * count * (1.0 + 1e-9)
         {
             return;
         }
-        match self.parameters.resampling {
+        match self.parameters.filter.resampling {
             Resampling::Systematic => {
                 systematic(&self.weights, self.draws.random(), &mut self.parents);
             }
@@ -184,12 +192,16 @@ impl ParticleFilter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::FilterParameters;
 
     fn small() -> Parameters {
         Parameters {
-            window_half_width_m: 0.5,
-            start_sigma_m: 0.05,
-            start_sigma_rad: 0.05,
+            filter: FilterParameters {
+                window_half_width_m: 0.5,
+                start_sigma_m: 0.05,
+                start_sigma_rad: 0.05,
+                ..FilterParameters::default()
+            },
             ..Parameters::default()
         }
     }
@@ -198,8 +210,11 @@ mod tests {
     fn perfect_sensing_leaves_no_bias() {
         // Weights are the exact likelihood of the true pose, so the mean error over many runs vanishes.
         let parameters = Parameters {
-            sigma_v_mps: 0.05,
-            particles: 200,
+            filter: FilterParameters {
+                sigma_v_mps: 0.05,
+                particles: 200,
+                ..small().filter
+            },
             ..small()
         };
         let odometry = Odometry {
@@ -216,7 +231,7 @@ mod tests {
             };
             let mut filter = ParticleFilter::new(&parameters, truth, seed);
             for _ in 0..60 {
-                truth = advance(&truth, odometry, 0.1023, parameters.integration);
+                truth = advance(&truth, odometry, 0.1023, parameters.filter.integration);
                 filter.predict(odometry, 0.1023);
                 let likelihood: Vec<f64> = filter
                     .particles()
@@ -251,9 +266,12 @@ mod tests {
     #[test]
     fn the_mean_heading_is_circular() {
         let parameters = Parameters {
-            start_sigma_m: 0.0,
-            start_sigma_rad: 0.3,
-            particles: 2000,
+            filter: FilterParameters {
+                start_sigma_m: 0.0,
+                start_sigma_rad: 0.3,
+                particles: 2000,
+                ..small().filter
+            },
             ..small()
         };
         let filter = ParticleFilter::new(
@@ -281,7 +299,10 @@ mod tests {
         likelihood[3] = 2.0;
         let mut tempered = ParticleFilter::new(
             &Parameters {
-                likelihood_exponent: 4.0,
+                filter: FilterParameters {
+                    likelihood_exponent: 4.0,
+                    ..small().filter
+                },
                 ..small()
             },
             Pose::default(),
@@ -297,7 +318,10 @@ mod tests {
     #[test]
     fn resampling_waits_for_its_threshold() {
         let parameters = Parameters {
-            resample_threshold: 0.5,
+            filter: FilterParameters {
+                resample_threshold: 0.5,
+                ..small().filter
+            },
             ..small()
         };
         let mut filter = ParticleFilter::new(&parameters, Pose::default(), 4);

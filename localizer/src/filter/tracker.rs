@@ -5,8 +5,7 @@ use crate::error::Error;
 use crate::filter::motion_model::advance;
 use crate::filter::particle_filter::ParticleFilter;
 use crate::image::map_image::MapImage;
-use crate::odometry::Odometry;
-use crate::odometry::mean_over_periods;
+use crate::odometry::{Odometry, mean_over_periods};
 use crate::parameters::{Method, Parameters};
 use crate::pose::Pose;
 
@@ -50,11 +49,17 @@ impl Tracker {
             ));
         }
         let mut parameters = parameters.clone();
-        if parameters.method == Method::Odometry {
+        if parameters.filter.method == Method::Odometry {
             // Odometry alone is a single particle without noise that is never weighed.
-            parameters.particles = 1;
-            (parameters.sigma_v_mps, parameters.sigma_omega_radps) = (0.0, 0.0);
-            (parameters.start_sigma_m, parameters.start_sigma_rad) = (0.0, 0.0);
+            parameters.filter.particles = 1;
+            (
+                parameters.filter.sigma_v_mps,
+                parameters.filter.sigma_omega_radps,
+            ) = (0.0, 0.0);
+            (
+                parameters.filter.start_sigma_m,
+                parameters.filter.start_sigma_rad,
+            ) = (0.0, 0.0);
         }
         let filter = ParticleFilter::new(&parameters, start, seed);
         Ok(Self {
@@ -75,8 +80,9 @@ impl Tracker {
     /// period before if there is one: see [`crate::EchoSequence::recent_odometry`].
     pub fn update(&mut self, block: &EchoBlock, recent: &[Odometry], map: &MapImage) -> Estimate {
         let here = self.predict(recent);
-        if !block.stationary && self.parameters.method != Method::Odometry {
-            self.filter.weigh(block.polar(self.parameters.method), map);
+        if !block.stationary && self.parameters.filter.method != Method::Odometry {
+            self.filter
+                .weigh(block.polar(self.parameters.filter.method), map);
         }
         let expected = self.filter.expectation();
         self.filter.resample();
@@ -91,7 +97,7 @@ impl Tracker {
                 &expected.pose,
                 onward,
                 rest * self.parameters.period_s(),
-                self.parameters.integration,
+                self.parameters.filter.integration,
             ),
             stationary: block.stationary,
         }
@@ -100,7 +106,7 @@ impl Tracker {
     /// Eq. (8) from the previous block's instant, or from time 0, to this block's. Returns that instant in periods from the
     /// start of `recent`.
     fn predict(&mut self, recent: &[Odometry]) -> f64 {
-        let reference = self.parameters.reference_periods();
+        let reference = self.parameters.measurement.reference_periods();
         let period_s = self.parameters.period_s();
         if self.started {
             self.filter.predict(

@@ -31,12 +31,12 @@ impl ImageWindow {
         for my in -half..=half {
             for mx in -half..=half {
                 let (x_m, y_m) = (
-                    f64::from(mx) * parameters.cell_m,
-                    f64::from(my) * parameters.cell_m,
+                    f64::from(mx) * parameters.measurement.cell_m,
+                    f64::from(my) * parameters.measurement.cell_m,
                 );
                 let range_m = x_m.hypot(y_m);
-                let delay = parameters.delay_of_range(range_m);
-                if range_m < parameters.min_range_m || delay >= parameters.delays() {
+                let delay = parameters.signal.delay_of_range(range_m);
+                if range_m < parameters.measurement.min_range_m || delay >= parameters.delays() {
                     blind.push([mx, my]);
                 } else {
                     near.push((from_minus_pi(y_m.atan2(x_m)), delay as u32, [mx, my]));
@@ -140,6 +140,7 @@ impl ImageWindow {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::MeasurementParameters;
     use proptest::prelude::*;
 
     fn polar(directions: usize, delays: usize) -> Array2<f32> {
@@ -147,18 +148,21 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(64))]
-        #[test]
-        fn drawing_agrees_with_the_printed_equations(heading in -10.0..10.0, half in 1_usize..30, directions in 1_usize..40) {
-            let parameters = Parameters { max_range_m: 2.5, directions, ..Parameters::default() };
-            let window = ImageWindow::new(&parameters, half);
-            let polar = polar(directions, parameters.delays());
-            let mut image = vec![9.0; window.len()];
-            window.draw(polar.view(), heading, &mut image);
-            let plain = crate::reference::echo_image(&parameters, polar.view(), heading, half);
-            prop_assert_eq!(window.to_array(&image), plain);
+            #![proptest_config(ProptestConfig::with_cases(64))]
+            #[test]
+            fn drawing_agrees_with_the_printed_equations(heading in -10.0..10.0, half in 1_usize..30, directions in 1_usize..40) {
+                let parameters = Parameters { measurement: MeasurementParameters { max_range_m: 2.5,
+    directions,
+    ..MeasurementParameters::default() },
+    ..Parameters::default() };
+                let window = ImageWindow::new(&parameters, half);
+                let polar = polar(directions, parameters.delays());
+                let mut image = vec![9.0; window.len()];
+                window.draw(polar.view(), heading, &mut image);
+                let plain = crate::reference::echo_image(&parameters, polar.view(), heading, half);
+                prop_assert_eq!(window.to_array(&image), plain);
+            }
         }
-    }
 
     #[test]
     fn one_row_stands_for_all_directions() {
@@ -168,7 +172,10 @@ mod tests {
         window.draw(polar(0, parameters.delays()).view(), 1.0, &mut image);
         let array = window.to_array(&image);
         assert_eq!(array[[10, 15]], array[[15, 10]]);
-        assert_eq!(array[[10, 15]], parameters.delay_of_range(0.5) as f32);
+        assert_eq!(
+            array[[10, 15]],
+            parameters.signal.delay_of_range(0.5) as f32
+        );
         assert_eq!(array[[10, 10]], 0.0);
         assert_eq!(array[[10, 12]], 0.0);
     }

@@ -98,10 +98,10 @@ impl MapImage {
     /// # Errors
     /// [`Error::Invalid`] when the cell widths differ.
     pub fn check(&self, parameters: &Parameters) -> Result<(), Error> {
-        if (self.cell_m - parameters.cell_m).abs() > 1e-9 {
+        if (self.cell_m - parameters.measurement.cell_m).abs() > 1e-9 {
             let problem = format!(
                 "{} m, the parameters say {} m",
-                self.cell_m, parameters.cell_m
+                self.cell_m, parameters.measurement.cell_m
             );
             return Err(Error::invalid(
                 "map",
@@ -175,8 +175,12 @@ pub fn build(drives: &[(&EchoSequence, &[Pose])]) -> Result<MapImage, Error> {
             .flat_map(|(sequence, poses)| sequence.blocks.iter().zip(poses.iter()))
             .filter(|(block, _)| !block.stationary)
     };
-    let sensor_cell =
-        |pose: &Pose| cell_of(&pose.carried(parameters.sensor_offset_m), parameters.cell_m);
+    let sensor_cell = |pose: &Pose| {
+        cell_of(
+            &pose.carried(parameters.signal.sensor_offset_m),
+            parameters.measurement.cell_m,
+        )
+    };
     let cells = || moving().map(|(_, pose)| sensor_cell(pose));
     let (Some(low), Some(high)) = (
         cells().reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]),
@@ -189,7 +193,8 @@ pub fn build(drives: &[(&EchoSequence, &[Pose])]) -> Result<MapImage, Error> {
             remedy,
         ));
     };
-    let reach_cells = (parameters.max_range_m / parameters.cell_m).ceil() as usize;
+    let reach_cells =
+        (parameters.measurement.max_range_m / parameters.measurement.cell_m).ceil() as usize;
     let margin = reach_cells.max(parameters.window_cells()) as i64;
     let [width, height] = [0, 1].map(|axis| {
         high[axis]
@@ -207,7 +212,7 @@ pub fn build(drives: &[(&EchoSequence, &[Pose])]) -> Result<MapImage, Error> {
     let shape = (height as usize, width as usize);
     let mut map = MapImage {
         origin_cell: [low[0] - margin, low[1] - margin],
-        cell_m: parameters.cell_m,
+        cell_m: parameters.measurement.cell_m,
         intensity: Array2::zeros(shape),
         toa_only: Array2::zeros(shape),
         parameters: parameters.clone(),
@@ -246,8 +251,9 @@ mod tests {
         range_m: f64,
         stationary: bool,
     ) -> EchoSequence {
-        let mut intensity = Array2::zeros((parameters.directions + 1, parameters.delays()));
-        intensity[[direction, parameters.delay_of_range(range_m)]] = 30.0;
+        let mut intensity =
+            Array2::zeros((parameters.measurement.directions + 1, parameters.delays()));
+        intensity[[direction, parameters.signal.delay_of_range(range_m)]] = 30.0;
         let mut block = EchoBlock {
             index: 0,
             t_s: 0.0,
@@ -256,7 +262,7 @@ mod tests {
             toa_intensity: vec![0.0; parameters.delays()],
             intensity,
         };
-        block.set_toa(parameters.toa_image);
+        block.set_toa(parameters.measurement.toa_image);
         EchoSequence {
             parameters: parameters.clone(),
             blocks: vec![block],

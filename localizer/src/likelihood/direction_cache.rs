@@ -283,60 +283,63 @@ impl Strips {
 mod tests {
     use super::*;
     use crate::likelihood::mutual_information::quantize;
-    use crate::parameters::Parameters;
+    use crate::parameters::{MeasurementParameters, Parameters};
     use ndarray::Array2;
     use proptest::prelude::*;
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(64))]
-        #[test]
-        fn images_are_those_drawn_one_by_one(
-            start in -10.0..10.0,
-            turns in prop::collection::vec(-0.1..0.1, 1..24),
-            half in 1_usize..30,
-            directions in 1_usize..40,
-            power in 0_i32..6,
-        ) {
-            let parameters = Parameters { max_range_m: 2.5, directions, ..Parameters::default() };
-            let window = ImageWindow::new(&parameters, half);
-            let headings: Vec<f64> = turns
-                .iter()
-                .scan(start, |heading: &mut f64, turn| {
-                    *heading += turn;
-                    Some(*heading)
-                })
-                .collect();
-            let mut sheets = DirectionCache::new(&window, directions, 127, headings.len());
-            let mut image = vec![0.0; window.len()];
-            let (mut expected, mut drawn) = (vec![0; window.len()], vec![9; window.len()]);
-            for block in 0..2 {
-                let polar = Array2::from_shape_fn((directions + 1, parameters.delays()), |(n, k)| {
-                    (((n * 7 + k * 13 + block) % 101) as f32).powi(power) - 1.0
-                });
-                sheets.clear();
-                let mut outlines: Vec<ImageLayout> = Vec::new();
-                for &heading in &headings {
-                    outlines.push(sheets.outline(&window, polar.view(), heading, outlines.last()));
-                }
-                let mut before: Option<ImageLayout> = None;
-                for (&heading, outline) in headings.iter().zip(outlines) {
-                    window.draw(polar.view(), heading, &mut image);
-                    quantize(&image, 127, &mut expected);
-                    prop_assert_eq!(outline.largest, largest_of(&image));
-                    if let Some(before) = before.filter(|before| sheets.is_change(before, &outline)) {
-                        let mut followed = drawn.clone();
-                        sheets.for_each_change(&window, &before, &outline, |start, old, new| {
-                            let part = &mut followed[start..start + old.len()];
-                            assert_eq!(part, old);
-                            part.copy_from_slice(new);
-                        });
-                        prop_assert_eq!(&followed, &expected);
+            #![proptest_config(ProptestConfig::with_cases(64))]
+            #[test]
+            fn images_are_those_drawn_one_by_one(
+                start in -10.0..10.0,
+                turns in prop::collection::vec(-0.1..0.1, 1..24),
+                half in 1_usize..30,
+                directions in 1_usize..40,
+                power in 0_i32..6,
+            ) {
+                let parameters = Parameters { measurement: MeasurementParameters { max_range_m: 2.5,
+    directions,
+    ..MeasurementParameters::default() },
+    ..Parameters::default() };
+                let window = ImageWindow::new(&parameters, half);
+                let headings: Vec<f64> = turns
+                    .iter()
+                    .scan(start, |heading: &mut f64, turn| {
+                        *heading += turn;
+                        Some(*heading)
+                    })
+                    .collect();
+                let mut sheets = DirectionCache::new(&window, directions, 127, headings.len());
+                let mut image = vec![0.0; window.len()];
+                let (mut expected, mut drawn) = (vec![0; window.len()], vec![9; window.len()]);
+                for block in 0..2 {
+                    let polar = Array2::from_shape_fn((directions + 1, parameters.delays()), |(n, k)| {
+                        (((n * 7 + k * 13 + block) % 101) as f32).powi(power) - 1.0
+                    });
+                    sheets.clear();
+                    let mut outlines: Vec<ImageLayout> = Vec::new();
+                    for &heading in &headings {
+                        outlines.push(sheets.outline(&window, polar.view(), heading, outlines.last()));
                     }
-                    sheets.draw(&window, &outline, &mut drawn);
-                    prop_assert_eq!(&drawn, &expected);
-                    before = Some(outline);
+                    let mut before: Option<ImageLayout> = None;
+                    for (&heading, outline) in headings.iter().zip(outlines) {
+                        window.draw(polar.view(), heading, &mut image);
+                        quantize(&image, 127, &mut expected);
+                        prop_assert_eq!(outline.largest, largest_of(&image));
+                        if let Some(before) = before.filter(|before| sheets.is_change(before, &outline)) {
+                            let mut followed = drawn.clone();
+                            sheets.for_each_change(&window, &before, &outline, |start, old, new| {
+                                let part = &mut followed[start..start + old.len()];
+                                assert_eq!(part, old);
+                                part.copy_from_slice(new);
+                            });
+                            prop_assert_eq!(&followed, &expected);
+                        }
+                        sheets.draw(&window, &outline, &mut drawn);
+                        prop_assert_eq!(&drawn, &expected);
+                        before = Some(outline);
+                    }
                 }
             }
         }
-    }
 }

@@ -116,44 +116,46 @@ impl MapPatches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Parameters;
+    use crate::parameters::{MeasurementParameters, Parameters};
     use ndarray::Array2;
     use proptest::prelude::*;
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(64))]
-        #[test]
-        fn crops_are_the_quantized_windows(
-            half in 1_usize..12,
-            centres in prop::collection::vec((-25_i64..25, -25_i64..25), 1..12),
-            power in 0_i32..5,
-        ) {
-            let parameters = Parameters { max_range_m: 2.0, ..Parameters::default() };
-            let map = MapImage {
-                origin_cell: [-18, -20],
-                cell_m: parameters.cell_m,
-                intensity: Array2::from_shape_fn((45, 41), |(y, x)| (((x * 5 + y * y) % 37) as f32).powi(power) - 1.0),
-                toa_only: Array2::zeros((45, 41)),
-                parameters: parameters.clone(),
-            };
-            let window = ImageWindow::new(&parameters, half);
-            let tool = MutualInformation::new(127, window.len());
-            let (mut image, mut expected) = (vec![0.0; window.len()], vec![0; window.len()]);
-            for method in [Method::Doppler, Method::ToaOnly] {
-                // Fewer than there may be cells.
-                let mut crops = MapPatches::new(method, &window, 127, 3);
-                let numbers: Vec<usize> = centres
-                    .iter()
-                    .map(|&(x, y)| crops.around(&map, &window, &tool, [x, y]))
-                    .collect();
-                for (&(x, y), number) in centres.iter().zip(numbers) {
-                    map.crop(method, &window, [x, y], &mut image);
-                    quantize(&image, 127, &mut expected);
-                    let crop = crops.get(number);
-                    prop_assert_eq!(&crop.bins, &expected);
-                    prop_assert_eq!(crop.marginal, tool.marginal(&expected));
+            #![proptest_config(ProptestConfig::with_cases(64))]
+            #[test]
+            fn crops_are_the_quantized_windows(
+                half in 1_usize..12,
+                centres in prop::collection::vec((-25_i64..25, -25_i64..25), 1..12),
+                power in 0_i32..5,
+            ) {
+                let parameters = Parameters { measurement: MeasurementParameters { max_range_m: 2.0,
+    ..MeasurementParameters::default() },
+    ..Parameters::default() };
+                let map = MapImage {
+                    origin_cell: [-18, -20],
+                    cell_m: parameters.measurement.cell_m,
+                    intensity: Array2::from_shape_fn((45, 41), |(y, x)| (((x * 5 + y * y) % 37) as f32).powi(power) - 1.0),
+                    toa_only: Array2::zeros((45, 41)),
+                    parameters: parameters.clone(),
+                };
+                let window = ImageWindow::new(&parameters, half);
+                let tool = MutualInformation::new(127, window.len());
+                let (mut image, mut expected) = (vec![0.0; window.len()], vec![0; window.len()]);
+                for method in [Method::Doppler, Method::ToaOnly] {
+                    // Fewer than there may be cells.
+                    let mut crops = MapPatches::new(method, &window, 127, 3);
+                    let numbers: Vec<usize> = centres
+                        .iter()
+                        .map(|&(x, y)| crops.around(&map, &window, &tool, [x, y]))
+                        .collect();
+                    for (&(x, y), number) in centres.iter().zip(numbers) {
+                        map.crop(method, &window, [x, y], &mut image);
+                        quantize(&image, 127, &mut expected);
+                        let crop = crops.get(number);
+                        prop_assert_eq!(&crop.bins, &expected);
+                        prop_assert_eq!(crop.marginal, tool.marginal(&expected));
+                    }
                 }
             }
         }
-    }
 }

@@ -37,20 +37,25 @@ struct Comparison {
 impl ParticleLikelihood {
     pub(crate) fn new(parameters: &Parameters) -> Self {
         let window = ImageWindow::new(parameters, parameters.window_cells());
-        let particles = parameters.particles;
-        let directions = match parameters.method {
-            Method::Doppler => parameters.directions,
+        let particles = parameters.filter.particles;
+        let directions = match parameters.filter.method {
+            Method::Doppler => parameters.measurement.directions,
             Method::ToaOnly | Method::Odometry => 0,
         };
         Self {
-            sensor_offset_m: parameters.sensor_offset_m,
-            bins: parameters.bins,
-            tool: MutualInformation::new(parameters.bins, window.len()),
-            sheets: DirectionCache::new(&window, directions, parameters.bins, particles),
+            sensor_offset_m: parameters.signal.sensor_offset_m,
+            bins: parameters.filter.bins,
+            tool: MutualInformation::new(parameters.filter.bins, window.len()),
+            sheets: DirectionCache::new(&window, directions, parameters.filter.bins, particles),
             image: vec![0.0; window.len()],
             echo: vec![0; window.len()],
             // As many as there can be cells with particles: made now, a step never has to allocate.
-            crops: MapPatches::new(parameters.method, &window, parameters.bins, particles),
+            crops: MapPatches::new(
+                parameters.filter.method,
+                &window,
+                parameters.filter.bins,
+                particles,
+            ),
             sights: Vec::with_capacity(particles),
             order: Vec::with_capacity(particles),
             window,
@@ -170,14 +175,21 @@ impl ParticleLikelihood {
 mod tests {
     use super::*;
     use crate::filter::particle_filter::ParticleFilter;
+    use crate::parameters::{FilterParameters, MeasurementParameters};
 
     #[test]
     fn information_agrees_with_the_printed_equations() {
         let parameters = Parameters {
-            max_range_m: 3.0,
-            window_half_width_m: 1.5,
-            start_sigma_m: 0.3,
-            start_sigma_rad: 0.05,
+            measurement: MeasurementParameters {
+                max_range_m: 3.0,
+                ..MeasurementParameters::default()
+            },
+            filter: FilterParameters {
+                window_half_width_m: 1.5,
+                start_sigma_m: 0.3,
+                start_sigma_rad: 0.05,
+                ..FilterParameters::default()
+            },
             ..Parameters::default()
         };
         let polar = ndarray::Array2::from_shape_fn((30, parameters.delays()), |(n, k)| {
@@ -203,7 +215,10 @@ mod tests {
             };
             let mut fast = vec![0.0; 100];
             let mut matcher = ParticleLikelihood::new(&Parameters {
-                method,
+                filter: FilterParameters {
+                    method,
+                    ..parameters.filter
+                },
                 ..parameters.clone()
             });
             matcher.information(polar, &map, filter.particles(), &mut fast);

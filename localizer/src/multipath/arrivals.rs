@@ -9,8 +9,7 @@ use ndarray::Array2;
 use super::peaks::{Picking, pick};
 use crate::echo::recording_blocks::map_blocks;
 use crate::error::Error;
-use crate::odometry::Odometry;
-use crate::odometry::mean_over_periods;
+use crate::odometry::{Odometry, mean_over_periods};
 use crate::parameters::Parameters;
 use crate::recording::Recording;
 
@@ -38,15 +37,16 @@ pub fn measure(
     picking: &Picking,
     round_trip_m: [f64; 2],
 ) -> Result<Vec<ArrivalBlock>, Error> {
-    let rate_hz = parameters.sample_rate_hz;
+    let rate_hz = parameters.signal.sample_rate_hz;
     let [first, last] =
-        round_trip_m.map(|way_m| (way_m / parameters.speed_of_sound_mps * rate_hz) as usize);
+        round_trip_m.map(|way_m| (way_m / parameters.signal.speed_of_sound_mps * rate_hz) as usize);
     let (blocks, odometry) = map_blocks(
         recording,
         parameters,
         |bank| (bank.scratch(), bank.intensity(), Vec::new()),
         |bank, (scratch, intensity, envelope), _, block, odometry| {
-            let v_mps = mean_over_periods(odometry, 0.0, parameters.periods as f64).v_mps;
+            let v_mps =
+                mean_over_periods(odometry, 0.0, parameters.measurement.periods as f64).v_mps;
             bank.measure(block, v_mps, scratch, intensity);
             largest(intensity, envelope);
             let peaks = pick(envelope, first..last, picking);
@@ -54,7 +54,7 @@ pub fn measure(
         },
     )?;
     let period_s = parameters.period_s();
-    let reference = parameters.reference_periods();
+    let reference = parameters.measurement.reference_periods();
     let timed = blocks.into_iter().enumerate().map(|(index, times_s)| {
         let to = index as f64 + reference;
         let from = if index == 0 { 0.0 } else { to - 1.0 };
@@ -83,6 +83,7 @@ fn largest(intensity: &Array2<f32>, envelope: &mut Vec<f32>) {
 mod tests {
     use super::*;
     use crate::odometry::OdometrySample;
+    use crate::parameters::MeasurementParameters;
     use crate::recording::RecordingMeta;
     use crate::signal::waveform::m_sequence;
     use std::f64::consts::TAU;
@@ -100,10 +101,13 @@ mod tests {
         let (c, v) = (340.0, 0.3);
         let code = m_sequence(10);
         let parameters = Parameters {
-            periods: 2,
-            directions: 12,
-            direct_wave: crate::DirectWave::GatedMean,
-            max_range_m: 17.0,
+            measurement: MeasurementParameters {
+                periods: 2,
+                directions: 12,
+                direct_wave: crate::DirectWave::GatedMean,
+                max_range_m: 17.0,
+                ..MeasurementParameters::default()
+            },
             ..Parameters::default()
         };
         let signal = (0..8 * 4092)

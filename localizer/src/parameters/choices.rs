@@ -41,15 +41,6 @@ pub enum DirectWave {
     FreeField,
 }
 
-/// What is assumed about the speed within a block.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MotionModel {
-    /// The mean of the odometry over the block, eq. (3).
-    #[default]
-    MeanSpeed,
-}
-
 /// How the motion model integrates one step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -41,13 +41,13 @@ struct Gate {
 impl DirectWaveEstimate {
     /// An estimate that knows nothing yet. `parameters` are checked ones.
     pub fn new(parameters: &Parameters) -> Self {
-        let gated = parameters.direct_wave == DirectWave::GatedMean;
+        let gated = parameters.measurement.direct_wave == DirectWave::GatedMean;
         Self {
             mean: vec![0.0; parameters.samples_per_period()],
-            memory: (-parameters.period_s() / parameters.direct_wave_time_s).exp(),
+            memory: (-parameters.period_s() / parameters.measurement.direct_wave_time_s).exp(),
             forgotten: 1.0,
             gate: gated.then(|| Gate::new(parameters)),
-            removes: gated || parameters.direct_wave == DirectWave::RunningMean,
+            removes: gated || parameters.measurement.direct_wave == DirectWave::RunningMean,
         }
     }
 
@@ -75,7 +75,7 @@ impl DirectWaveEstimate {
 
 impl Gate {
     fn new(parameters: &Parameters) -> Self {
-        let transmitted = transmit_period(parameters);
+        let transmitted = transmit_period(&parameters.signal);
         let length = transmitted.len();
         let mut spectrum: Vec<Complex<f64>> = transmitted
             .iter()
@@ -85,7 +85,10 @@ impl Gate {
             .plan_fft_forward(length)
             .process(&mut spectrum);
         let mean_power = spectrum.iter().map(Complex::norm_sqr).sum::<f64>() / length as f64;
-        let reach = parameters.delay_of_range(parameters.min_range_m).max(1) as f64;
+        let reach = parameters
+            .signal
+            .delay_of_range(parameters.measurement.min_range_m)
+            .max(1) as f64;
         let mut planner = FftPlanner::<f32>::new();
         let forward = planner.plan_fft_forward(length);
         let inverse = planner.plan_fft_inverse(length);
@@ -176,10 +179,14 @@ pub fn subtract_free_field(signal: &[f32], direct: Option<&[f32]>) -> Result<Vec
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::MeasurementParameters;
 
     fn parameters(direct_wave: DirectWave) -> Parameters {
         Parameters {
-            direct_wave,
+            measurement: MeasurementParameters {
+                direct_wave,
+                ..MeasurementParameters::default()
+            },
             ..Parameters::default()
         }
     }
@@ -187,7 +194,7 @@ mod tests {
     #[test]
     fn the_mean_of_equal_periods_is_the_period_from_the_start() {
         let parameters = parameters(DirectWave::RunningMean);
-        let period: Vec<f32> = transmit_period(&parameters)
+        let period: Vec<f32> = transmit_period(&parameters.signal)
             .iter()
             .map(|&sample| sample as f32)
             .collect();
@@ -207,7 +214,7 @@ mod tests {
     #[test]
     fn the_gate_passes_the_direct_wave_and_stops_a_far_echo() {
         let parameters = parameters(DirectWave::GatedMean);
-        let period: Vec<f32> = transmit_period(&parameters)
+        let period: Vec<f32> = transmit_period(&parameters.signal)
             .iter()
             .map(|&sample| sample as f32)
             .collect();

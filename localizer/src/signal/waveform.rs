@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::parameters::Parameters;
+use crate::parameters::SignalParameters;
 
 /// Feedback taps of a maximal-length shift register for every order from 2 to 18.
 const TAPS: [&[u32]; 17] = [
@@ -24,11 +24,6 @@ const TAPS: [&[u32]; 17] = [
     &[17, 14],
     &[18, 11],
 ];
-
-/// The order n of an M-sequence with `code_length` = 2^n - 1 chips, if there is one between 2 and 18.
-pub fn order_of(code_length: usize) -> Option<u32> {
-    (2..=18).find(|&order| (1_usize << order) - 1 == code_length)
-}
 
 /// One period of an M-sequence of 2^order - 1 chips of +1 and -1, starting from the register of all ones.
 ///
@@ -58,21 +53,19 @@ pub fn m_sequence(order: u32) -> Vec<i8> {
 /// One period of s(k): L_s = L T_c f_s samples at f_s, the carrier's sine times the chip.
 ///
 /// Both chips and carrier start at sample 0, so a signal that repeats this slice is periodic in L T_c whenever the
-/// carrier makes a whole number of cycles in it. Empty for a code length that [`Parameters::check`] refuses.
-pub fn transmit_period(parameters: &Parameters) -> Vec<f64> {
-    let code = order_of(parameters.code_length)
-        .map(m_sequence)
-        .unwrap_or_default();
+/// carrier makes a whole number of cycles in it. Empty for a code length that is no 2^n - 1 with n from 2 to 18.
+pub fn transmit_period(signal: &SignalParameters) -> Vec<f64> {
+    let code = signal.code_order().map(m_sequence).unwrap_or_default();
     if code.is_empty() {
         return Vec::new();
     }
-    let length = parameters.samples_per_period();
+    let length = signal.samples_per_period();
     (0..length)
         .map(|k| {
             // Rounding guards the chip boundary against 3.9999999.
-            let chip = (k as f64 * parameters.chip_rate_hz / parameters.sample_rate_hz + 1e-9)
-                .floor() as usize;
-            let phase = (k as f64 * parameters.carrier_hz / parameters.sample_rate_hz).fract();
+            let chip =
+                (k as f64 * signal.chip_rate_hz / signal.sample_rate_hz + 1e-9).floor() as usize;
+            let phase = (k as f64 * signal.carrier_hz / signal.sample_rate_hz).fract();
             f64::from(code[chip % code.len()]) * (TAU * phase).sin()
         })
         .collect()
@@ -137,14 +130,26 @@ mod tests {
     #[test]
     fn orders_outside_the_table_give_nothing() {
         assert!(m_sequence(0).is_empty() && m_sequence(1).is_empty() && m_sequence(19).is_empty());
+        let order_of = |code_length| {
+            let signal = SignalParameters {
+                code_length,
+                ..SignalParameters::default()
+            };
+            signal.code_order()
+        };
         assert_eq!(order_of(1023), Some(10));
         assert_eq!(order_of(1024), None);
+        // The orders that parameters may have are those of the table.
+        for order in 1..=19 {
+            let code = m_sequence(order);
+            let has_code = order_of((1 << order) - 1) == Some(order);
+            assert_eq!(has_code, !code.is_empty(), "order {order}");
+        }
     }
 
     #[test]
     fn a_period_is_chips_times_carrier() {
-        let parameters = Parameters::default();
-        let period = transmit_period(&parameters);
+        let period = transmit_period(&SignalParameters::default());
         assert_eq!(period.len(), 4092);
         for (chip, samples) in m_sequence(10).iter().zip(period.chunks(4)) {
             let chip = f64::from(*chip);

@@ -142,7 +142,7 @@ struct Trial {
 
 /// One trial of all methods.
 fn run_trial(site: &Site, recording: &Recording) -> Result<Trial> {
-    let c_mps = site.parameters.speed_of_sound_mps;
+    let c_mps = site.parameters.signal.speed_of_sound_mps;
     let blocks = arrivals::measure(recording, &site.parameters, &PICKING, ROUND_TRIP_M)?;
     let start = recording.start_pose();
     let (mut gates, mut followed) = (Vec::new(), Vec::new());

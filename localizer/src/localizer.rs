@@ -61,10 +61,10 @@ impl Localizer {
     /// Returns `None` until M periods have come in, then one estimate a step.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for another number of samples than one period, samples or speeds that are not finite, or a speed
-    /// above a tenth of that of sound. The step then has not taken place.
+    /// [`Error::Invalid`] for another number of samples than one period, samples or speeds that are not finite, or a
+    /// speed above a tenth of that of sound. The step then has not taken place.
     pub fn step(&mut self, samples: &[f32], odometry: Odometry) -> Result<Option<Estimate>, Error> {
-        // Section II-A: a block of the last M periods, one period further than the block before.
+        // Section II-A: a block of the last M periods, one period later than the previous one.
         self.buffer.push(samples, odometry)?;
         let index = self.buffer.block_index();
         let Some((received, recent)) = self.buffer.block() else {

@@ -7,7 +7,7 @@ use crate::error::Error;
 /// Longest time between two samples, and between the samples and the ends of the signal, in seconds.
 const LONGEST_GAP_S: f64 = 1.0;
 
-/// Speeds of a two-wheel robot, as its wheel encoders tell them.
+/// Speeds of a two-wheel robot, from its wheel encoders.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Odometry {
@@ -17,7 +17,7 @@ pub struct Odometry {
     pub omega_radps: f64,
 }
 
-/// Speeds at one instant; between two samples they change linearly.
+/// Speeds at one instant; linear between two samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OdometrySample {
     /// Time in seconds since the signal's first sample.
@@ -109,9 +109,9 @@ pub(crate) fn check_samples(
     Ok(())
 }
 
-/// Mean speeds from `start_s` to `end_s`, the samples joined by straight lines and continued at their ends.
+/// Mean speeds from `start_s` to `end_s` (seconds), linear between the samples and continued beyond their ends.
 ///
-/// No samples are a robot at rest.
+/// Without samples the robot rests.
 pub fn mean_over_time(samples: &[OdometrySample], start_s: f64, end_s: f64) -> Odometry {
     let length = end_s - start_s;
     if length <= 0.0 {
@@ -153,9 +153,9 @@ fn at(samples: &[OdometrySample], t_s: f64) -> Odometry {
     }
 }
 
-/// Mean odometry between two instants given in periods from the start of `odometry[0]`, each entry lasting one period.
+/// Mean of one odometry entry per period between two instants, given in periods from the start of `odometry[0]`.
 ///
-/// Beyond the ends the first and last entry continue. An empty slice is a robot at rest.
+/// Beyond the ends the first and last entry continue. Without entries the robot rests.
 pub fn mean_over_periods(odometry: &[Odometry], from_periods: f64, to_periods: f64) -> Odometry {
     let Some(last) = odometry.len().checked_sub(1) else {
         return Odometry::default();

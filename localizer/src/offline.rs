@@ -1,4 +1,5 @@
-//! Localization of a whole drive whose echoes are measured: the loop of the streaming localizer without its front end.
+//! Localization over a whole drive whose echoes are measured: the loop of the streaming localizer without its front
+//! end.
 
 use crate::echo::echo_blocks::EchoSequence;
 use crate::error::Error;
@@ -14,8 +15,8 @@ use crate::trajectory::Trajectory;
 /// [`MeasurementParameters::provides`](crate::parameters::MeasurementParameters::provides) says.
 ///
 /// # Errors
-/// [`Error::Invalid`] for parameters that cannot be used or need another measurement, a map with other cells, or a start
-/// that is not finite.
+/// [`Error::Invalid`] for parameters that cannot be used or need another measurement, a map with other cells, or a
+/// start that is not finite.
 pub fn localize(
     echoes: &EchoSequence,
     map: &MapImage,

@@ -1,6 +1,7 @@
 //! The method written down plainly and slowly: the oracle of the tests.
 //!
-//! Everything here follows the printed equations sample by sample in double precision, without FFT, tables or shortcuts.
+//! Everything here follows the printed equations sample by sample in double precision, without FFT, tables or
+//! shortcuts.
 
 use std::f64::consts::PI;
 
@@ -33,7 +34,8 @@ pub fn sampling_ratio(parameters: &Parameters, v_mps: f64, direction: usize) -> 
         / (parameters.signal.speed_of_sound_mps + approach)
 }
 
-/// Eqs. (1)-(3) and the envelope: intensity `[direction, delay]` of one block of M periods, 1 for an echo of amplitude 1.
+/// Eqs. (1)-(3) and the envelope: intensity `[direction, delay]` of one block of M periods, 1 for an echo of
+/// amplitude 1.
 ///
 /// The circular correlation is a double sum, the Hilbert transform a naive Fourier sum.
 pub fn echo_intensity(parameters: &Parameters, block: &[f32], v_mps: f64) -> Array2<f64> {

@@ -1,8 +1,8 @@
-//! Loops in the widest vectors of the machine: the only unsafe code of the crate.
+//! Loops compiled for the widest vectors of the machine: the only unsafe code of the crate.
 //!
-//! A release binary must run anywhere, so it is compiled for vectors of four numbers. What the caller passes here is compiled once more
-//! for eight, and that is chosen where the machine has them. Products and sums are rounded one by one in both (nothing is
-//! contracted to fused multiply-adds), so that the results are the same, bit for bit.
+//! A release binary must run on any machine, so it is compiled for vectors of four 32-bit numbers. The closures
+//! passed here are compiled once more for eight, and that version runs where the machine has them. Products and sums
+//! are rounded one by one in both (no fused multiply-adds), so that the results are equal bit for bit.
 #![expect(
     unsafe_code,
     reason = "calling a function of an instruction set that was looked for before"

@@ -12,7 +12,8 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// The pose at a time: position interpolated linearly, heading the shorter way; the first or last pose beyond the ends.
+    /// The pose at a time: position interpolated linearly, heading the shorter way; the first or last pose beyond the
+    /// ends.
     ///
     /// None for an empty trajectory.
     pub fn pose_at(&self, t_s: f64) -> Option<Pose> {

@@ -1,7 +1,8 @@
-//! Domain: the streaming localizer in steady operation. A step that allocates may wait for the system at any time, which a
-//! robot that has to keep up with its signal cannot afford. After M + 1 steps (the first block and one more) `step` must
-//! not touch the heap: count of allocations exactly 0, with every way of removing the direct wave that can stream, with every
-//! method, and while the particles spread over more and more cells of the map. Errors may allocate.
+//! Domain: the streaming localizer in steady operation. A step that allocates may wait for the system at any time,
+//! which a robot that has to keep up with its signal cannot afford. After M + 1 steps (the first block and one more)
+//! `step` must not touch the heap: count of allocations exactly 0, with every way of removing the direct wave that
+//! can stream, with every method, and while the particles spread over more and more cells of the map. Errors may
+//! allocate.
 
 #![expect(clippy::unwrap_used, reason = "a failed test may panic")]
 #![expect(
@@ -19,8 +20,8 @@ use localizer::{
     DirectWave, EchoBlock, EchoSequence, Localizer, MapImage, Method, Odometry, Parameters, Pose,
 };
 
-/// The system's allocator with a count of what was asked of it, by all threads. This file holds one test, so that no other
-/// one counts along.
+/// The system's allocator with a count of what was asked of it, by all threads. This file holds one test, so that no
+/// other one counts along.
 struct Counting;
 
 static COUNT: AtomicUsize = AtomicUsize::new(0);
@@ -137,7 +138,8 @@ fn a_step_does_not_allocate_once_it_is_warm() {
                 },
                 filter: FilterParameters {
                     method,
-                    // No resampling at all would keep the particles spreading; the usual one has to be without allocations too.
+                    // No resampling at all would keep the particles spreading; the usual one has to be without
+                    // allocations too.
                     resample_threshold: if method == Method::ToaOnly { 1.0 } else { 0.1 },
                     ..common.filter
                 },

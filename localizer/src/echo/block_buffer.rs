@@ -1,9 +1,9 @@
-//! From periods of samples to blocks of M periods, one block per period: the front end of the streaming localizer.
+//! Blocks of the last M periods of a stream of samples, one block per period (section II-A).
 
 use crate::error::Error;
 use crate::odometry::{Odometry, check_speeds};
 use crate::parameters::Parameters;
-use crate::signal::direct_wave::DirectWaveEstimate;
+use crate::signal::direct_wave::{self, DirectWaveEstimate};
 
 /// The last M periods of the received signal and the odometry that goes with them.
 pub struct BlockBuffer {
@@ -14,7 +14,7 @@ pub struct BlockBuffer {
     direct_period: Vec<f32>,
     /// The last M periods as received, oldest first.
     received: Vec<f32>,
-    /// The same less the direct wave.
+    /// `received` less the direct wave.
     block: Vec<f32>,
     /// One mean per period: the last M + 1 of them, oldest first.
     odometry: Vec<Odometry>,
@@ -22,7 +22,7 @@ pub struct BlockBuffer {
 }
 
 impl BlockBuffer {
-    /// A receiver that has heard nothing yet. `parameters` are checked ones.
+    /// An empty buffer. `parameters` must pass [`Parameters::check`].
     pub fn new(parameters: &Parameters) -> Self {
         let (period, periods) = (
             parameters.samples_per_period(),
@@ -41,11 +41,11 @@ impl BlockBuffer {
         }
     }
 
-    /// Takes in one period of samples and the mean odometry during it.
+    /// Appends one period of samples and the mean odometry during it.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for another number of samples than L_s, a sample that is not finite, or an impossible speed.
-    /// The receiver is then unchanged.
+    /// [`Error::Invalid`] for another number of samples than L_s, a sample that is not finite, or a speed that is not
+    /// finite or above a tenth of that of sound. The buffer is then unchanged.
     pub fn push(&mut self, samples: &[f32], odometry: Odometry) -> Result<(), Error> {
         if samples.len() != self.period {
             let problem = format!("{} samples were given", samples.len());
@@ -78,32 +78,20 @@ impl BlockBuffer {
         Ok(())
     }
 
-    /// The newest block without its direct wave, once M periods have come in, and the odometry of its M periods, preceded
-    /// by that of the period before if there is one.
+    /// The newest block without its direct wave, and the odometry of its M periods, preceded by that of the period
+    /// before if there is one. `None` before M periods have been appended.
     pub fn block(&mut self) -> Option<(&[f32], &[Odometry])> {
         if self.count < self.periods {
             return None;
         }
         self.direct.write(&mut self.direct_period);
-        remove_direct(&self.received, &self.direct_period, &mut self.block);
+        direct_wave::subtract_period(&self.received, &self.direct_period, &mut self.block);
         Some((&self.block, &self.odometry))
     }
 
-    /// Number of the newest block, 0 for the one that starts at time 0.
+    /// Index of the newest block, 0 for the one that starts at time 0.
     pub fn block_index(&self) -> usize {
         self.count.saturating_sub(self.periods)
-    }
-}
-
-/// A block less a periodic signal.
-pub(crate) fn remove_direct(received: &[f32], direct: &[f32], block: &mut [f32]) {
-    for (block, received) in block
-        .chunks_mut(direct.len())
-        .zip(received.chunks(direct.len()))
-    {
-        for ((block, received), direct) in block.iter_mut().zip(received).zip(direct) {
-            *block = received - direct;
-        }
     }
 }
 

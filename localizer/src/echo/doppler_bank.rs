@@ -1,11 +1,11 @@
 //! The Doppler bank: delay and bearing of the echoes in one block, eqs. (1)-(3).
 //!
-//! For each direction pi n / N_theta the block is resampled at the ratio that cancels the Doppler effect of an echo from
-//! there, eq. (2) and (3), its M periods are added up, and one period of the sum is correlated with the transmitted one,
-//! eq. (1).
+//! For each direction pi n / N_theta the block is resampled at the ratio that cancels the Doppler effect of an echo
+//! from there, eqs. (2) and (3), its M periods are added up, and one period of the sum is correlated with the
+//! transmitted one, eq. (1).
 //!
-//! Resampling about the block's centre
-//! leaves an echo at the delay that it has there; the lag is then the delay itself, because a block starts with a period.
+//! Resampling about the block's centre leaves an echo at the delay that it has there; the lag is then the delay
+//! itself, because a block starts with a period.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ use crate::signal::matched_filter::{MatchedFilter, MatchedFilterScratch};
 use crate::signal::time_scale::{Branches, TimeScaler};
 use crate::signal::waveform::transmit_period;
 
-/// Everything that is planned once for a set of parameters.
+/// A plan of eqs. (1)-(3) for one set of parameters.
 pub struct DopplerBank {
     period: usize,
     block_length: usize,
@@ -28,7 +28,7 @@ pub struct DopplerBank {
     /// Delays to both sides over which the largest envelope counts.
     pool: usize,
     speed_of_sound_mps: f64,
-    /// Position in the block, in samples, that the resampling leaves in place.
+    /// Position in the block, in samples, that the time scaling leaves in place.
     origin: f64,
     resampler: TimeScaler,
     correlator: MatchedFilter,
@@ -89,7 +89,7 @@ impl DopplerBank {
         }
     }
 
-    /// An intensity of the right shape: `[N_theta + 1, delays]`.
+    /// A zero intensity of the right shape: `[N_theta + 1, delays]`.
     pub fn intensity(&self) -> Array2<f32> {
         Array2::zeros((self.directions + 1, self.delays))
     }
@@ -99,7 +99,7 @@ impl DopplerBank {
         self.block_length
     }
 
-    /// Eq. (3): the sampling ratio of direction n at the speed `v_mps`, less one.
+    /// Eq. (3): the sampling ratio of direction n at the speed `v_mps`, minus 1.
     pub fn excess(&self, v_mps: f64, direction: usize) -> f64 {
         let approach = v_mps * (PI * direction as f64 / self.directions as f64).cos();
         -2.0 * approach / (self.speed_of_sound_mps + approach)
@@ -107,9 +107,9 @@ impl DopplerBank {
 
     /// Eqs. (1)-(3): the envelope H of every direction and delay.
     ///
-    /// `block` holds M periods that start with a period; `v_mps` is the speed along the heading during it. `intensity` is
-    /// `[direction, delay in samples]` and 1 for an echo of amplitude 1. Rows that `intensity` has too many stay as
-    /// they are.
+    /// `block` holds M periods and starts with the start of one; `v_mps` is the mean speed along the heading.
+    /// `intensity` is `[direction, delay in samples]`, 1 for an echo of amplitude 1. Surplus rows of `intensity` are
+    /// left as they are.
     pub fn measure(
         &self,
         block: &[f32],
@@ -126,11 +126,11 @@ impl DopplerBank {
                 ..
             } = scratch;
             self.correlator.envelopes(correlation, envelopes);
-            self.keep(first, envelopes, intensity);
+            self.store(first, envelopes, intensity);
         }
     }
 
-    /// The first of each two of the directions `0..=directions`, which share their transforms.
+    /// The first of every two directions of `0..=directions`; two directions share their transforms.
     pub(crate) fn pairs(directions: usize) -> impl Iterator<Item = usize> {
         (0..=directions).step_by(2)
     }
@@ -154,8 +154,9 @@ impl DopplerBank {
             .correlate(&scratch.folded, &mut scratch.correlation);
     }
 
-    /// Writes the envelopes of `signal + level noise`, both correlated, as [`Self::measure`] does those of a signal: all before the envelope is linear.
-    pub(crate) fn keep_sum(
+    /// Writes the envelopes of `signal + level noise`, both correlated, as [`Self::measure`] does those of a signal:
+    /// all steps before the envelope are linear.
+    pub(crate) fn store_sum(
         &self,
         first: usize,
         signal: &DopplerScratch,
@@ -170,11 +171,11 @@ impl DopplerBank {
         } = noise;
         self.correlator
             .envelopes_of_sum(&signal.correlation, correlation, level, envelopes);
-        self.keep(first, envelopes, intensity);
+        self.store(first, envelopes, intensity);
     }
 
     /// Writes the envelopes of direction `first` and the next one, pooled, to their rows.
-    fn keep(&self, first: usize, envelopes: &[Vec<f32>; 2], intensity: &mut Array2<f32>) {
+    fn store(&self, first: usize, envelopes: &[Vec<f32>; 2], intensity: &mut Array2<f32>) {
         for (direction, envelope) in (first..=self.directions).zip(envelopes) {
             pool(
                 envelope,
@@ -185,9 +186,9 @@ impl DopplerBank {
     }
 }
 
-/// The largest of the values up to `reach` places away, for the first places of `envelope`.
+/// For the first values of `envelope`, the largest within `reach` of each.
 fn pool(envelope: &[f32], reach: usize, pooled: Option<&mut [f32]>) {
-    // A row of a standard array is contiguous; only a caller's own exotic layout is not, and stays as it is.
+    // A row of a standard array is contiguous; other layouts are left as they are.
     let Some(pooled) = pooled else {
         return;
     };

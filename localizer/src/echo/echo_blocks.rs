@@ -1,4 +1,4 @@
-//! The echoes of a whole recording: H of every block, measured once and reused by maps and filters.
+//! Echoes of a whole recording: H of every block, measured once and shared by maps and filters.
 
 use ndarray::{Array2, ArrayView2, aview1};
 
@@ -20,11 +20,11 @@ pub struct EchoBlock {
     pub t_s: f64,
     /// Mean odometry over the block.
     pub odometry: Odometry,
-    /// True when the robot was too slow for bearings: the block is not to be matched or mapped.
+    /// True if the robot is too slow for bearings: the block is neither matched nor mapped.
     pub stationary: bool,
     /// H of eqs. (1)-(3): `[direction, delay in samples]`, 1 for an echo of amplitude 1.
     pub intensity: Array2<f32>,
-    /// What stands for all directions of `intensity` in the range-only method, see [`ToaImage`].
+    /// Intensity that stands for all directions in the range-only method, see [`ToaImage`].
     pub toa_intensity: Vec<f32>,
 }
 
@@ -53,7 +53,7 @@ impl EchoBlock {
         }
     }
 
-    /// Sets what follows from the block's number and the odometry of its M periods.
+    /// Sets index, time and mean odometry from the block's index and the odometry of its M periods.
     pub(crate) fn set_motion(
         &mut self,
         parameters: &Parameters,
@@ -67,7 +67,7 @@ impl EchoBlock {
         self.stationary = self.odometry.v_mps.abs() < parameters.measurement.min_speed_mps;
     }
 
-    /// Gathers the measured intensity of all directions.
+    /// Combines the intensity of all directions into `toa_intensity`.
     pub(crate) fn set_toa(&mut self, image: ToaImage) {
         self.toa_intensity.fill(0.0);
         let scale = 1.0 / self.intensity.nrows() as f32;
@@ -81,7 +81,7 @@ impl EchoBlock {
         }
     }
 
-    /// What a method sees of the block: all directions, or one row that stands for all.
+    /// The intensity `[direction, delay]` that a method uses: all directions, or one row that stands for all.
     pub fn polar(&self, method: Method) -> ArrayView2<'_, f32> {
         match method {
             Method::ToaOnly => aview1(&self.toa_intensity).insert_axis(ndarray::Axis(0)),
@@ -96,7 +96,8 @@ impl EchoSequence {
         trajectory.poses_at(self.blocks.iter().map(|block| block.t_s))
     }
 
-    /// The odometry that a filter needs for a block: that of its M periods, preceded by the period before if there is one.
+    /// The odometry that a filter needs for a block: that of its M periods, preceded by the period before if there is
+    /// one.
     pub fn recent_odometry(&self, block: usize) -> &[Odometry] {
         let end = (block + self.parameters.measurement.periods).min(self.odometry.len());
         &self.odometry[block.saturating_sub(1).min(end)..end]
@@ -106,9 +107,9 @@ impl EchoSequence {
 /// Measures the echoes of every block of a recording, in parallel over the blocks, with the same result as one by one.
 ///
 /// # Errors
-/// [`Error::Invalid`] when the parameters cannot be used, the recording has another waveform, rate or speed of sound than
-/// they say (see [`Parameters::for_recording`]), is shorter than M periods, does not pass [`Recording::check`], or has no
-/// `direct.wav` although `direct_wave` is free-field.
+/// [`Error::Invalid`] when the parameters cannot be used, the recording has another waveform, rate or speed of sound
+/// than they say (see [`Parameters::for_recording`]), is shorter than M periods, does not pass [`Recording::check`],
+/// or has no `direct.wav` although `direct_wave` is free-field.
 pub fn measure(recording: &Recording, parameters: &Parameters) -> Result<EchoSequence, Error> {
     let (blocks, odometry) = map_blocks(
         recording,

@@ -1,10 +1,10 @@
-//! Echoes of one recording under several noises of several levels each: what a study of the noise needs, some blocks at a time.
+//! Echoes of one recording under several noises at several levels each, some blocks at a time.
 
 use rayon::prelude::*;
 
 use crate::echo::doppler_bank::{DopplerBank, DopplerScratch};
 use crate::echo::echo_blocks::EchoBlock;
-use crate::echo::recording_blocks::Drive;
+use crate::echo::recording_blocks::RecordingBlocks;
 use crate::error::Error;
 use crate::odometry::Odometry;
 use crate::parameters::Parameters;
@@ -15,28 +15,28 @@ use crate::recording::Recording;
 pub struct AddedNoise {
     /// As many samples as the recording has.
     pub samples: Vec<f32>,
-    /// What the samples are multiplied with.
+    /// Factors of the samples.
     pub levels: Vec<f32>,
 }
 
-/// A recording to whose signal noises are added, `signal + level noise`, to be measured block by block.
+/// A recording to whose signal noises are added, `signal + level noise`, measured some blocks at a time.
 ///
-/// All but the envelope of eqs. (1)-(3) is linear, so that the signal and each of the noises are correlated once, whatever the number of levels; and
-/// measuring some blocks at a time keeps little of the echoes in memory, where the whole drive at all levels would be gigabytes.
+/// All of eqs. (1)-(3) but the envelope is linear: the signal and each noise are correlated once for all levels. The
+/// caller asks for some blocks at a time, because the echoes of a whole drive at all levels do not fit into memory.
 pub struct NoiseSweep<'a> {
-    drive: Drive<'a>,
+    recorded: RecordingBlocks<'a>,
     parameters: &'a Parameters,
     noises: &'a [AddedNoise],
-    /// The direct wave's estimate in the signal at the end of every block, and in each noise.
-    directs: Vec<Vec<f32>>,
-    noise_directs: Vec<Vec<Vec<f32>>>,
+    /// Estimates of the direct wave at the end of every block: those in the signal, and below those in each noise.
+    direct_waves: Vec<Vec<f32>>,
+    noise_direct_waves: Vec<Vec<Vec<f32>>>,
 }
 
 /// Buffers of one thread.
 struct Scratch {
     signal: DopplerScratch,
     noises: Vec<DopplerScratch>,
-    freed: Vec<f32>,
+    clean: Vec<f32>,
 }
 
 impl<'a> NoiseSweep<'a> {
@@ -49,8 +49,8 @@ impl<'a> NoiseSweep<'a> {
         noises: &'a [AddedNoise],
         parameters: &'a Parameters,
     ) -> Result<Self, Error> {
-        let drive = Drive::new(recording, parameters)?;
-        let length = drive.signal.len();
+        let recorded = RecordingBlocks::new(recording, parameters)?;
+        let length = recorded.signal.len();
         if let Some(noise) = noises.iter().find(|noise| noise.samples.len() != length) {
             let problem = format!(
                 "{} samples of noise for {length} of the signal",
@@ -59,80 +59,80 @@ impl<'a> NoiseSweep<'a> {
             return Err(Error::invalid("noise", "length", problem, "give as many"));
         }
         Ok(Self {
-            directs: drive.directs(&drive.signal),
-            noise_directs: noises
+            direct_waves: recorded.direct_waves(&recorded.signal),
+            noise_direct_waves: noises
                 .iter()
-                .map(|noise| drive.directs(&noise.samples))
+                .map(|noise| recorded.direct_waves(&noise.samples))
                 .collect(),
-            drive,
+            recorded,
             parameters,
             noises,
         })
     }
 
-    /// Blocks of the recording.
+    /// Number of blocks of the recording.
     pub fn blocks(&self) -> usize {
-        self.directs.len()
+        self.direct_waves.len()
     }
 
-    /// Odometry for the filter at a block, as [`crate::EchoSequence::recent_odometry`] has it.
+    /// Odometry for the filter at a block, see [`crate::EchoSequence::recent_odometry`].
     pub fn recent_odometry(&self, block: usize) -> &[Odometry] {
-        self.drive.recent_odometry(block)
+        self.recorded.recent_odometry(block)
     }
 
     /// Buffers for `count` blocks: for each, one block of echoes per noise and level, noise by noise.
     pub fn buffers(&self, count: usize) -> Vec<Vec<EchoBlock>> {
         let levels = self.noises.iter().map(|noise| noise.levels.len()).sum();
-        let block = EchoBlock::empty(&self.drive.bank);
+        let block = EchoBlock::empty(&self.recorded.bank);
         vec![vec![block; levels]; count]
     }
 
-    /// Measures block `first` and those after it into [`Self::buffers`], in parallel over the blocks: what [`crate::echo::measure`] gives for
-    /// each of the sums, within rounding.
+    /// Measures block `first` and those after it into [`Self::buffers`], in parallel over the blocks. Up to rounding,
+    /// the result is that of [`crate::echo::measure`] for each of the sums.
     ///
     /// # Panics
-    /// When the recording has fewer blocks, or the buffers are another's.
+    /// If the recording has fewer blocks, or the buffers are another sweep's.
     pub fn measure(&self, first: usize, blocks: &mut [Vec<EchoBlock>]) {
         assert!(first + blocks.len() <= self.blocks(), "no such blocks");
         let scratch = || Scratch {
-            signal: self.drive.bank.scratch(),
+            signal: self.recorded.bank.scratch(),
             noises: self
                 .noises
                 .iter()
-                .map(|_| self.drive.bank.scratch())
+                .map(|_| self.recorded.bank.scratch())
                 .collect(),
-            freed: vec![0.0; self.drive.bank.block_length()],
+            clean: vec![0.0; self.recorded.bank.block_length()],
         };
         blocks
             .par_iter_mut()
             .with_max_len(2)
             .enumerate()
             .for_each_init(scratch, |scratch, (offset, noisy)| {
-                self.one(first + offset, scratch, noisy)
+                self.measure_block(first + offset, scratch, noisy)
             });
     }
 
     /// Measures one block under all noises.
-    fn one(&self, index: usize, scratch: &mut Scratch, noisy: &mut [EchoBlock]) {
-        let (drive, bank) = (&self.drive, &self.drive.bank);
+    fn measure_block(&self, index: usize, scratch: &mut Scratch, noisy: &mut [EchoBlock]) {
+        let (recorded, bank) = (&self.recorded, &self.recorded.bank);
         let Scratch {
             signal,
             noises,
-            freed,
+            clean,
         } = scratch;
-        drive.free(&drive.signal, &self.directs, index, freed);
-        bank.prepare(freed, signal);
-        for ((noise, directs), scratch) in self
+        recorded.clean_block(&recorded.signal, &self.direct_waves, index, clean);
+        bank.prepare(clean, signal);
+        for ((noise, direct_waves), scratch) in self
             .noises
             .iter()
-            .zip(&self.noise_directs)
+            .zip(&self.noise_direct_waves)
             .zip(&mut *noises)
         {
-            drive.free(&noise.samples, directs, index, freed);
-            bank.prepare(freed, scratch);
+            recorded.clean_block(&noise.samples, direct_waves, index, clean);
+            bank.prepare(clean, scratch);
         }
         for block in &mut *noisy {
-            block.set_motion(self.parameters, index, drive.odometry_of(index));
+            block.set_motion(self.parameters, index, recorded.odometry_of(index));
         }
         let v_mps = noisy.first().map_or(0.0, |block| block.odometry.v_mps);
         for pair in DopplerBank::pairs(self.parameters.measurement.directions) {
@@ -141,7 +141,7 @@ impl<'a> NoiseSweep<'a> {
             for (noise, scratch) in self.noises.iter().zip(&mut *noises) {
                 bank.correlate(pair, v_mps, scratch);
                 for (&level, block) in noise.levels.iter().zip(&mut blocks) {
-                    bank.keep_sum(pair, signal, scratch, level, &mut block.intensity);
+                    bank.store_sum(pair, signal, scratch, level, &mut block.intensity);
                 }
             }
         }
@@ -222,7 +222,7 @@ mod tests {
             let drives = noises
                 .iter()
                 .flat_map(|noise| noise.levels.iter().map(move |&level| (noise, level)));
-            for (drive, (noise, level)) in drives.enumerate() {
+            for (recorded, (noise, level)) in drives.enumerate() {
                 for ((sum, signal), noise) in
                     recording.signal.iter_mut().zip(&signal).zip(&noise.samples)
                 {
@@ -230,7 +230,11 @@ mod tests {
                 }
                 let plain = measure(&recording, &parameters).expect("valid");
                 assert_eq!(plain.blocks.len(), noisy.len());
-                for (fast, plain) in noisy.iter().map(|block| &block[drive]).zip(&plain.blocks) {
+                for (fast, plain) in noisy
+                    .iter()
+                    .map(|block| &block[recorded])
+                    .zip(&plain.blocks)
+                {
                     let largest = plain.intensity.iter().fold(0.0_f32, |a, &b| a.max(b));
                     let both = |fast: f32, plain: f32| {
                         assert!(

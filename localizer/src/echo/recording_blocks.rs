@@ -1,10 +1,9 @@
-//! A recording cut into blocks of M periods, freed from the direct wave.
+//! Blocks of M periods of a whole recording, without the direct wave.
 
 use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use crate::echo::block_buffer::remove_direct;
 use crate::echo::doppler_bank::DopplerBank;
 use crate::error::Error;
 use crate::odometry::Odometry;
@@ -12,21 +11,21 @@ use crate::parameters::{DirectWave, Parameters};
 use crate::recording::Recording;
 use crate::signal::direct_wave::{self, DirectWaveEstimate};
 
-/// Blocks that one thread takes at a time: few, so that no thread waits long for another at the end.
-const TOGETHER: usize = 8;
+/// Blocks of one parallel task: few, so that all threads end at about the same time.
+const BLOCKS_PER_TASK: usize = 8;
 
-/// A recording that was checked, and how it is cut into blocks.
-pub(crate) struct Drive<'a> {
+/// A checked recording and the bank for its blocks.
+pub(crate) struct RecordingBlocks<'a> {
     parameters: &'a Parameters,
     /// The bank for its blocks.
     pub(crate) bank: DopplerBank,
-    /// The signal, without the direct wave of `direct.wav` if that is to be subtracted.
+    /// The signal; with [`DirectWave::FreeField`] less the samples of `direct.wav`.
     pub(crate) signal: Cow<'a, [f32]>,
     /// Mean odometry of every period.
     pub(crate) odometry: Vec<Odometry>,
 }
 
-impl<'a> Drive<'a> {
+impl<'a> RecordingBlocks<'a> {
     /// Checks a recording.
     ///
     /// # Errors
@@ -71,36 +70,36 @@ impl<'a> Drive<'a> {
         })
     }
 
-    /// The direct wave's estimate in a signal at the end of every block. The average is a matter of order and cheap; the bank is neither.
-    pub(crate) fn directs(&self, signal: &[f32]) -> Vec<Vec<f32>> {
+    /// One period of the direct wave as estimated at the end of every block, sequentially.
+    pub(crate) fn direct_waves(&self, signal: &[f32]) -> Vec<Vec<f32>> {
         let (period, periods) = (
             self.parameters.samples_per_period(),
             self.parameters.measurement.periods,
         );
         let mut estimate = DirectWaveEstimate::new(self.parameters);
-        let mut directs = Vec::with_capacity(self.odometry.len() + 1 - periods);
+        let mut direct_waves = Vec::with_capacity(self.odometry.len() + 1 - periods);
         for (index, samples) in signal.chunks_exact(period).enumerate() {
             estimate.push(samples);
             if index + 1 >= periods {
                 let mut direct = vec![0.0; period];
                 estimate.write(&mut direct);
-                directs.push(direct);
+                direct_waves.push(direct);
             }
         }
-        directs
+        direct_waves
     }
 
-    /// Writes block `index` of a signal without its direct wave.
-    pub(crate) fn free(
+    /// Writes block `index` of a signal, less its direct wave, to `clean`.
+    pub(crate) fn clean_block(
         &self,
         signal: &[f32],
-        directs: &[Vec<f32>],
+        direct_waves: &[Vec<f32>],
         index: usize,
-        freed: &mut [f32],
+        clean: &mut [f32],
     ) {
         let start = index * self.parameters.samples_per_period();
-        let received = &signal[start..start + freed.len()];
-        remove_direct(received, &directs[index], freed);
+        let received = &signal[start..start + clean.len()];
+        direct_wave::subtract_period(received, &direct_waves[index], clean);
     }
 
     /// Odometry of the periods of block `index`, preceded by that of the period before if there is one.
@@ -108,14 +107,15 @@ impl<'a> Drive<'a> {
         &self.odometry[index.saturating_sub(1)..index + self.parameters.measurement.periods]
     }
 
-    /// Mean odometry of the periods of block `index`.
+    /// Mean odometry of each period of block `index`.
     pub(crate) fn odometry_of(&self, index: usize) -> &[Odometry] {
         &self.odometry[index..index + self.parameters.measurement.periods]
     }
 }
 
-/// Applies `each` to every block of a recording (its number, its samples without the direct wave, the odometry of its periods), in parallel, each
-/// thread with its own buffers from `buffers`. Returns the results in order and the mean odometry of every period.
+/// Applies `each` to every block of a recording: its number, its samples without the direct wave, and the odometry of
+/// its periods. Blocks run in parallel, each thread with its own buffers from `buffers`. Returns the results in order
+/// and the mean odometry of every period.
 ///
 /// # Errors
 /// As [`crate::echo::measure`].
@@ -125,19 +125,19 @@ pub(crate) fn map_blocks<B, T: Send>(
     buffers: impl Fn(&DopplerBank) -> B + Sync,
     each: impl Fn(&DopplerBank, &mut B, usize, &[f32], &[Odometry]) -> T + Sync,
 ) -> Result<(Vec<T>, Vec<Odometry>), Error> {
-    let drive = Drive::new(recording, parameters)?;
-    let bank = &drive.bank;
-    let directs = drive.directs(&drive.signal);
-    let blocks = (0..directs.len())
+    let recorded = RecordingBlocks::new(recording, parameters)?;
+    let bank = &recorded.bank;
+    let direct_waves = recorded.direct_waves(&recorded.signal);
+    let blocks = (0..direct_waves.len())
         .into_par_iter()
-        .with_max_len(TOGETHER)
+        .with_max_len(BLOCKS_PER_TASK)
         .map_init(
             || (buffers(bank), vec![0.0; bank.block_length()]),
-            |(own, freed), index| {
-                drive.free(&drive.signal, &directs, index, freed);
-                each(bank, own, index, freed, drive.odometry_of(index))
+            |(own, clean), index| {
+                recorded.clean_block(&recorded.signal, &direct_waves, index, clean);
+                each(bank, own, index, clean, recorded.odometry_of(index))
             },
         )
         .collect();
-    Ok((blocks, drive.odometry))
+    Ok((blocks, recorded.odometry))
 }

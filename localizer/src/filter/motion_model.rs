@@ -1,4 +1,4 @@
-//! Motion of a two-wheel robot: eq. (8) without its noise, and wheel odometry alone.
+//! Motion model of a two-wheel robot: eq. (8) without its noise, and dead reckoning.
 
 use crate::odometry::Odometry;
 use crate::parameters::{Integration, Parameters};
@@ -6,10 +6,10 @@ use crate::pose::{Pose, wrap_angle};
 use crate::recording::Recording;
 use crate::trajectory::Trajectory;
 
-/// The pose after `duration_s` at constant speeds.
+/// The pose after `duration_s` seconds at constant speeds, eq. (8) without noise.
 ///
-/// `Euler` is eq. (8) as printed; `Midpoint` moves along the heading in the middle of the step, which removes the half step
-/// by which the printed form lags behind in a turn.
+/// `Euler` is eq. (8) as printed; `Midpoint` moves along the heading in the middle of the step, which removes the
+/// half step by which the printed form lags behind in a turn.
 pub fn advance(pose: &Pose, odometry: Odometry, duration_s: f64, integration: Integration) -> Pose {
     let turn_rad = odometry.omega_radps * duration_s;
     let course_rad = match integration {
@@ -24,7 +24,8 @@ pub fn advance(pose: &Pose, odometry: Odometry, duration_s: f64, integration: In
     }
 }
 
-/// Poses by wheel odometry alone at the start and end of every whole period of a recording, from `start` at time 0.
+/// Dead reckoning: poses by wheel odometry alone at the start and end of every whole period of a recording, from
+/// `start` at time 0.
 pub fn dead_reckon(recording: &Recording, parameters: &Parameters, start: Pose) -> Trajectory {
     let period_s = parameters.period_s();
     let count = (recording.duration_s() / period_s) as usize;

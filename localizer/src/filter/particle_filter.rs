@@ -1,4 +1,5 @@
-//! The particle filter: motion with noise, eq. (8), weights from mutual information, eqs. (9)-(17), expected pose, eq. (18).
+//! Particle filter: motion with noise, eq. (8), weights from mutual information, eqs. (9)-(17), expected pose, eq.
+//! (18).
 
 use ndarray::ArrayView2;
 use rand::RngExt;
@@ -14,14 +15,14 @@ use crate::parameters::{Parameters, Resampling};
 use crate::pose::{Pose, wrap_angle};
 use crate::random;
 
-/// Candidates of the pose and what they believe.
+/// Weighted candidates of the pose.
 pub struct ParticleFilter {
     parameters: Parameters,
     particles: Vec<Pose>,
     weights: Vec<f64>,
     motion: ChaCha8Rng,
     draws: ChaCha8Rng,
-    matcher: ParticleLikelihood,
+    likelihood: ParticleLikelihood,
     parents: Vec<usize>,
     drawn: Vec<Pose>,
     information: Vec<f64>,
@@ -39,7 +40,7 @@ pub struct Expectation {
 }
 
 impl ParticleFilter {
-    /// Particles around `start`; `parameters` are checked ones. Equal seeds give equal runs.
+    /// Particles around `start`; `parameters` must pass [`Parameters::check`]. Equal seeds give equal runs.
     pub fn new(parameters: &Parameters, start: Pose, seed: u64) -> Self {
         let count = parameters.filter.particles;
         let mut spread = random::stream(seed, "start");
@@ -59,7 +60,7 @@ impl ParticleFilter {
             weights: vec![1.0 / count as f64; count],
             motion: random::stream(seed, "motion"),
             draws: random::stream(seed, "resampling"),
-            matcher: ParticleLikelihood::new(parameters),
+            likelihood: ParticleLikelihood::new(parameters),
             parents: vec![0; count],
             information: vec![0.0; count],
             parameters: parameters.clone(),
@@ -96,12 +97,12 @@ impl ParticleFilter {
         }
     }
 
-    /// Eqs. (9)-(16): mutual information of each particle's echo image with its part of the map, times eq. (17).
+    /// Weighs the particles by the mutual information of their echo images and map patches, eqs. (9)-(17).
     ///
-    /// `polar` is what the method sees of a block, see [`crate::EchoBlock::polar`].
+    /// `polar` is `[direction, delay]`, see [`crate::EchoBlock::polar`].
     pub fn weigh(&mut self, polar: ArrayView2<'_, f32>, map: &MapImage) {
         let mut information = std::mem::take(&mut self.information);
-        self.matcher
+        self.likelihood
             .information(polar, map, &self.particles, &mut information);
         self.weigh_by(&information);
         self.information = information;
@@ -163,7 +164,7 @@ impl ParticleFilter {
         }
     }
 
-    /// Draws the next particles by their weights, when the effective sample size asks for it.
+    /// Draws the next particles by their weights if the effective sample size is at most `resample_threshold` N_s.
     pub fn resample(&mut self) {
         let count = self.particles.len() as f64;
         // With equal weights rounding may lift the effective sample size a little above the number of particles.

@@ -1,10 +1,10 @@
-//! Resampling: the next particles are drawn by their weights, systematically by one comb of equal steps over the cumulated weights, or
-//! multinomially, each by a draw of its own.
+//! Resampling of particles by their weights: systematic (one comb of equal steps over the cumulated weights) or
+//! multinomial (independent draws).
 
 /// Writes the parents of `parents.len()` new particles, in increasing order.
 ///
-/// `weights` add up to 1; `offset` in [0, 1) places the comb. Each particle is drawn its weight times the number of new
-/// particles, rounded up or down, and that often exactly on average over the offset.
+/// `weights` add up to 1; `offset` in [0, 1) places the comb. Each particle is drawn as often as its weight times the
+/// number of new particles, rounded up or down, and exactly that often on average over the offset.
 pub fn systematic(weights: &[f64], offset: f64, parents: &mut [usize]) {
     let step = 1.0 / parents.len().max(1) as f64;
     let last = weights.len().saturating_sub(1);
@@ -21,7 +21,7 @@ pub fn systematic(weights: &[f64], offset: f64, parents: &mut [usize]) {
     }
 }
 
-/// Writes the parents of `parents.len()` new particles, each drawn by itself with the probability of its weight.
+/// Writes the parents of `parents.len()` new particles, each drawn independently with the probability of its weight.
 ///
 /// `weights` add up to 1; `draw` gives numbers in [0, 1).
 pub fn multinomial(weights: &[f64], mut draw: impl FnMut() -> f64, parents: &mut [usize]) {

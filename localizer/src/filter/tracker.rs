@@ -1,4 +1,4 @@
-//! One step of self-localization from measured echoes: what the streaming and the offline localizer share.
+//! One step of self-localization from measured echoes; the streaming and the offline localizer share it.
 
 use crate::echo::echo_blocks::EchoBlock;
 use crate::error::Error;
@@ -9,7 +9,7 @@ use crate::odometry::{Odometry, mean_over_periods};
 use crate::parameters::{Method, Parameters};
 use crate::pose::Pose;
 
-/// What one step tells about the robot.
+/// The result of one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// Instant to which `pose` refers in seconds: the block's centre, or its start, by `time_reference`.
@@ -20,9 +20,9 @@ pub struct Estimate {
     pub covariance: [[f64; 3]; 3],
     /// Effective sample size of the particles.
     pub effective_sample_size: f64,
-    /// `pose` carried by odometry to the end of the block, the newest sample heard.
+    /// `pose` carried by odometry to the end of the block, the newest sample.
     pub latest: Pose,
-    /// True when the robot was too slow for bearings and the pose follows from odometry alone.
+    /// True if the robot was too slow for bearings and the pose follows from odometry alone.
     pub stationary: bool,
 }
 
@@ -34,7 +34,7 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// A tracker that knows the pose at time 0.
+    /// A tracker with a known pose at time 0.
     ///
     /// # Errors
     /// Those of [`Parameters::check`], and [`Error::Invalid`] for a start that is not finite.
@@ -76,8 +76,8 @@ impl Tracker {
 
     /// Moves the particles to the block's instant, weighs them by its echoes, and draws the next ones.
     ///
-    /// Blocks come one by one in their order. `recent` is the odometry of the block's M periods, preceded by that of the
-    /// period before if there is one: see [`crate::EchoSequence::recent_odometry`].
+    /// Blocks must be given one by one in their order. `recent` is the odometry of the block's M periods, preceded by
+    /// that of the period before if there is one: see [`crate::EchoSequence::recent_odometry`].
     pub fn update(&mut self, block: &EchoBlock, recent: &[Odometry], map: &MapImage) -> Estimate {
         let here = self.predict(recent);
         if !block.stationary && self.parameters.filter.method != Method::Odometry {
@@ -103,8 +103,8 @@ impl Tracker {
         }
     }
 
-    /// Eq. (8) from the previous block's instant, or from time 0, to this block's. Returns that instant in periods from the
-    /// start of `recent`.
+    /// Eq. (8) from the previous block's instant, or from time 0, to this block's. Returns that instant in periods
+    /// from the start of `recent`.
     fn predict(&mut self, recent: &[Odometry]) -> f64 {
         let reference = self.parameters.measurement.reference_periods();
         let period_s = self.parameters.period_s();

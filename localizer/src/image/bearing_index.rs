@@ -1,55 +1,57 @@
-//! Which pixels around the robot see which direction, eqs. (6) and (16).
+//! Bearing index: the pixels around the robot that are seen in each direction, eqs. (6) and (16).
 //!
-//! Pixels sorted by angle form a circle, and under a heading each direction is an arc of it to the left and one to the right. The
-//! borders between the arcs are equally spaced, so they are counted out in binary parts of a turn, where a whole turn is an overflow. Only a pixel
-//! that lies on a border, as far as these parts tell, is looked at in double precision.
+//! Pixels sorted by angle form a circle. Under a heading, each direction is one arc of it to the left and one to the
+//! right, with borders at equal steps. Borders are computed in integer fractions of a turn, where a whole turn is an
+//! overflow; only a pixel within rounding of a border is decided in double precision.
 
 use std::f64::consts::PI;
 use std::ops::Range;
 
 use crate::pose::wrap_angle;
 
-/// Parts of the turn whose place in the order of angles is on file, a power of two.
+/// Equal sectors of the turn in the lookup table; a power of two.
 const SECTORS: usize = 4096;
-/// Entries that a search along the order looks at together.
+/// Entries compared together in a search.
 const AT_ONCE: usize = 8;
-/// Pixels nearer to a border than this, in 2^-32 of a turn, might be on either side: more than all roundings together.
-const DOUBTFUL: u32 = 4;
+/// Pixels nearer to a border than this, in 2^-32 of a turn, may be on either side of it: more than all rounding
+/// errors.
+const AMBIGUITY: u32 = 4;
 
-/// Angles of pixels in cyclic order, and where to find them.
+/// Angles of pixels in cyclic order, with a table for searches.
 #[derive(Debug, Clone)]
 pub(crate) struct BearingIndex {
     /// World angles in [-pi, pi), sorted.
     angles_rad: Vec<f64>,
     /// The angle at which the order starts; no pixel is near it.
     seam_rad: f64,
-    /// Angles from the seam in 2^-32 of a turn, counted from -2^31 so that they compare as signed numbers; followed by [`AT_ONCE`] largest ones.
+    /// Angles from the seam in 2^-32 of a turn, minus 2^31 so that they compare as signed numbers; followed by
+    /// [`AT_ONCE`] times the largest number.
     codes: Vec<i32>,
-    /// For each of [`SECTORS`] equal parts of the turn, from the seam on, the first pixel in it or after it.
+    /// For each of the [`SECTORS`] from the seam on, the first pixel in it or after it.
     sectors: Vec<u32>,
 }
 
-/// Puts an angle in (-pi, pi] where the order has it: -pi instead of pi, so that the seam is between pixels.
+/// Maps an angle in (-pi, pi] to [-pi, pi).
 pub(crate) fn from_minus_pi(angle_rad: f64) -> f64 {
     if angle_rad == PI { -PI } else { angle_rad }
 }
 
-/// An angle in 2^-64 of a turn, whole turns left out.
+/// An angle in 2^-64 of a turn, modulo one turn.
 fn parts_of_turn(angle_rad: f64) -> u64 {
     let turns = angle_rad / (2.0 * PI);
-    // A whole turn, if rounding leads there, becomes the largest number, which is as good.
+    // A whole turn, if rounding leads there, saturates to the largest number.
     ((turns - turns.floor()) * 2.0_f64.powi(64)) as u64
 }
 
-/// The upper half of a number of 2^-64 of a turn, as [`BearingIndex::codes`] has it.
+/// The upper half of a number of 2^-64 of a turn, in the form of [`BearingIndex::codes`].
 fn code(parts: u64) -> i32 {
     ((parts >> 32) as u32 ^ 1 << 31) as i32
 }
 
 impl BearingIndex {
-    /// Of sorted angles in [-pi, pi), see [`from_minus_pi`].
+    /// An index of sorted angles in [-pi, pi), see [`from_minus_pi`].
     pub(crate) fn new(angles_rad: Vec<f64>) -> Self {
-        // Half way between the last one and pi, which is -pi and therefore among the first ones.
+        // Half way between the last angle and pi.
         let last_rad = angles_rad.last().copied().unwrap_or(0.0);
         let seam_rad = 0.5 * (last_rad + PI);
         let parts: Vec<u64> = angles_rad
@@ -77,43 +79,44 @@ impl BearingIndex {
         self.angles_rad.len()
     }
 
-    /// Writes the first pixel behind each border under a heading. `directions` is the index of the one astern, at least 1, and there are
-    /// twice as many borders: arc number n around the turn is centred n steps to the left of the heading, and border n follows it.
+    /// Writes, for each border under a heading, the first pixel behind it. `directions` is the index of the direction
+    /// astern, at least 1; there are twice as many borders: arc n is centred n steps to the left of the heading, and
+    /// border n follows it.
     pub(crate) fn borders(&self, directions: usize, heading_rad: f64, borders: &mut [u32]) {
         let heading_rad = wrap_angle(heading_rad);
         let step = u64::MAX / (2 * directions) as u64;
         let ahead = parts_of_turn(heading_rad - self.seam_rad);
-        for (arc, place) in borders.iter_mut().enumerate() {
+        for (arc, rank) in borders.iter_mut().enumerate() {
             // The step's rounding adds up to less than 2^-50 of a turn.
             let border = ahead.wrapping_add(step / 2 + arc as u64 * step);
-            let found = self.place_of(border);
-            *place = if self.is_doubtful(found, border) {
-                self.settled(found, border, arc, directions, heading_rad)
+            let found = self.rank_of(border);
+            *rank = if self.is_ambiguous(found, border) {
+                self.resolved(found, border, arc, directions, heading_rad)
             } else {
                 found
             } as u32;
         }
     }
 
-    /// Calls `told` with the direction's index for all stretches of neighbouring pixels that see one direction, given their [`Self::borders`].
-    /// Each pixel is told once.
-    pub(crate) fn for_each_arc(&self, borders: &[u32], mut told: impl FnMut(usize, Range<usize>)) {
+    /// Calls `visit` with the direction and the pixels of every arc, given the [`Self::borders`]. Each pixel is
+    /// visited once.
+    pub(crate) fn for_each_arc(&self, borders: &[u32], mut visit: impl FnMut(usize, Range<usize>)) {
         let mut start = borders.last().map_or(0, |&last| last as usize);
         for (arc, &border) in borders.iter().enumerate() {
             let direction = direction_of(arc, borders.len() / 2);
             let end = border as usize;
-            self.for_each_part(start, end, |part| told(direction, part));
+            self.for_each_part(start, end, |part| visit(direction, part));
             start = end;
         }
     }
 
-    /// Calls `told` with the directions' indices before and after, and the pixels, for all pixels that see another direction with other borders. The
-    /// headings differ by less than half a step from one direction to the next.
+    /// Calls `visit` with the directions before and after and the pixels, for all pixels whose direction differs
+    /// between two headings' borders. The headings differ by less than half a direction step.
     pub(crate) fn for_each_change(
         &self,
         before: &[u32],
         after: &[u32],
-        mut told: impl FnMut(usize, usize, Range<usize>),
+        mut visit: impl FnMut(usize, usize, Range<usize>),
     ) {
         let directions = before.len() / 2;
         for (arc, (&old, &new)) in before.iter().zip(after).enumerate() {
@@ -123,65 +126,66 @@ impl BearingIndex {
             let next = if arc + 1 == before.len() { 0 } else { arc + 1 };
             let [behind, beyond] = [arc, next].map(|arc| direction_of(arc, directions));
             let (old, new) = (old as usize, new as usize);
-            // Around the circle the short way.
+            // The shorter way around the circle.
             if (new > old) == (new.abs_diff(old) <= self.len() / 2) {
-                self.for_each_part(old, new, |part| told(beyond, behind, part));
+                self.for_each_part(old, new, |part| visit(beyond, behind, part));
             } else {
-                self.for_each_part(new, old, |part| told(behind, beyond, part));
+                self.for_each_part(new, old, |part| visit(behind, beyond, part));
             }
         }
     }
 
-    /// The one or two ranges of pixels from `start` to `end` in the sense of the circle; none if they are the same.
-    fn for_each_part(&self, start: usize, end: usize, mut told: impl FnMut(Range<usize>)) {
+    /// The one or two ranges of pixels from `start` to `end` around the circle; none if they are equal.
+    fn for_each_part(&self, start: usize, end: usize, mut visit: impl FnMut(Range<usize>)) {
         if start < end {
-            return told(start..end);
+            return visit(start..end);
         }
         if start > end {
             if start < self.len() {
-                told(start..self.len());
+                visit(start..self.len());
             }
             if end > 0 {
-                told(0..end);
+                visit(0..end);
             }
         }
     }
 
-    /// Number of pixels from the seam to a border, as far as the codes tell.
+    /// Number of pixels from the seam to a border, by the codes alone.
     #[inline(always)]
-    fn place_of(&self, border: u64) -> usize {
+    fn rank_of(&self, border: u64) -> usize {
         let limit = code(border);
-        let mut place = self.sectors[(border >> (64 - SECTORS.ilog2())) as usize] as usize;
-        // A sector holds a pixel or two: counting several at once leaves no branch that would be guessed wrong.
-        while let Some(next) = self.codes.get(place..place + AT_ONCE) {
+        let mut rank = self.sectors[(border >> (64 - SECTORS.ilog2())) as usize] as usize;
+        // A sector holds few pixels: counting several at once avoids unpredictable branches.
+        while let Some(next) = self.codes.get(rank..rank + AT_ONCE) {
             let count: i32 = next.iter().map(|&code| i32::from(code < limit)).sum();
-            place += count as usize;
+            rank += count as usize;
             if count < AT_ONCE as i32 {
                 break;
             }
         }
-        place
+        rank
     }
 
-    /// Whether a pixel at a place found by its code, or the one before it, lies on the border.
+    /// Whether the pixel at a rank, or the one before it, is within rounding of the border.
     #[inline(always)]
-    fn is_doubtful(&self, place: usize, border: u64) -> bool {
-        let near = |code_there: i32| code_there.abs_diff(code(border)) <= DOUBTFUL;
-        near(self.codes[place]) || near(self.codes[place.saturating_sub(1)])
+    fn is_ambiguous(&self, rank: usize, border: u64) -> bool {
+        let near = |code_there: i32| code_there.abs_diff(code(border)) <= AMBIGUITY;
+        near(self.codes[rank]) || near(self.codes[rank.saturating_sub(1)])
     }
 
-    /// Number of pixels before the border behind an arc, those on it by eqs. (6) and (16).
+    /// Number of pixels before the border behind an arc; those within rounding of it by eqs. (6) and (16) in double
+    /// precision.
     #[cold]
     #[inline(never)]
-    fn settled(
+    fn resolved(
         &self,
-        mut place: usize,
+        mut rank: usize,
         border: u64,
         arc: usize,
         directions: usize,
         heading_rad: f64,
     ) -> usize {
-        let doubtful = |pixel: usize| self.codes[pixel].abs_diff(code(border)) <= DOUBTFUL;
+        let ambiguous = |pixel: usize| self.codes[pixel].abs_diff(code(border)) <= AMBIGUITY;
         let is_before = |pixel: usize| {
             let bearing_rad = wrap_angle(self.angles_rad[pixel] - heading_rad).abs();
             let seen = (directions as f64 / PI * bearing_rad).round() as usize;
@@ -191,17 +195,17 @@ impl BearingIndex {
                 seen >= direction_of(arc, directions)
             }
         };
-        while place > 0 && doubtful(place - 1) && !is_before(place - 1) {
-            place -= 1;
+        while rank > 0 && ambiguous(rank - 1) && !is_before(rank - 1) {
+            rank -= 1;
         }
-        while place < self.len() && doubtful(place) && is_before(place) {
-            place += 1;
+        while rank < self.len() && ambiguous(rank) && is_before(rank) {
+            rank += 1;
         }
-        place
+        rank
     }
 }
 
-/// The direction in which an arc lies, to the left as to the right.
+/// The direction of an arc; arcs to the left and to the right share directions.
 fn direction_of(arc: usize, directions: usize) -> usize {
     arc.min(2 * directions - arc)
 }
@@ -237,14 +241,14 @@ mod tests {
         let mut borders = vec![0; 2 * directions];
         bearings.borders(directions, heading_rad, &mut borders);
         let plain = seen(&angles, directions, heading_rad);
-        let mut told = vec![usize::MAX; angles.len()];
+        let mut seen_by = vec![usize::MAX; angles.len()];
         bearings.for_each_arc(&borders, |direction, arc| {
             for pixel in arc {
-                assert_eq!(told[pixel], usize::MAX);
-                told[pixel] = direction;
+                assert_eq!(seen_by[pixel], usize::MAX);
+                seen_by[pixel] = direction;
             }
         });
-        assert_eq!(told, plain, "heading {heading_rad}");
+        assert_eq!(seen_by, plain, "heading {heading_rad}");
     }
 
     proptest! {

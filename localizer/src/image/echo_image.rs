@@ -1,15 +1,15 @@
 //! Echo images: the echoes of one block laid out around the robot, eqs. (4)-(6) and (14)-(16).
 //!
-//! A pixel's delay does not depend on the pose and its bearing only through the heading. The pixels are therefore kept
-//! sorted by their world angle: under any heading those of one direction are a few runs of neighbours in that order, and
-//! drawing an image is a walk over the runs.
+//! A pixel's delay does not depend on the pose, and its bearing depends on it through the heading alone. Pixels are
+//! therefore sorted by their world angle: under any heading, those of one direction are a few ranges in that order.
 
 use ndarray::{Array2, ArrayView1, ArrayView2};
 
 use crate::image::bearing_index::{BearingIndex, from_minus_pi};
 use crate::parameters::Parameters;
 
-/// The pixels of a square window around the robot, in the order in which images are kept.
+/// The pixels of a square window around the robot. Images are slices with one value per pixel, in the order of
+/// [`Self::offsets`].
 #[derive(Debug, Clone)]
 pub struct ImageWindow {
     half_cells: usize,
@@ -17,17 +17,18 @@ pub struct ImageWindow {
     bearings: BearingIndex,
     /// Their delays in samples, eq. (5).
     delays: Vec<u32>,
-    /// Offsets `[mx, my]` of all pixels: first those with an echo, then those too near or too far.
+    /// Offsets `[mx, my]` of all pixels in cells: first those with an echo, then those too near or too far for one.
     offsets: Vec<[i32; 2]>,
-    /// The same as places in the square, row by row.
-    places: Vec<u32>,
+    /// Indices of all pixels in the square array, row by row.
+    square_indices: Vec<u32>,
 }
 
 impl ImageWindow {
-    /// A window of `2 half_cells + 1` pixels a side; pixels nearer than `min_range_m` or beyond `max_range_m` are zero.
+    /// A window of `2 half_cells + 1` pixels a side. Pixels nearer than `min_range_m` or beyond `max_range_m` have no
+    /// echo.
     pub fn new(parameters: &Parameters, half_cells: usize) -> Self {
         let half = half_cells as i32;
-        let (mut near, mut blind) = (Vec::new(), Vec::new());
+        let (mut visible, mut hidden) = (Vec::new(), Vec::new());
         for my in -half..=half {
             for mx in -half..=half {
                 let (x_m, y_m) = (
@@ -37,19 +38,19 @@ impl ImageWindow {
                 let range_m = x_m.hypot(y_m);
                 let delay = parameters.signal.delay_of_range(range_m);
                 if range_m < parameters.measurement.min_range_m || delay >= parameters.delays() {
-                    blind.push([mx, my]);
+                    hidden.push([mx, my]);
                 } else {
-                    near.push((from_minus_pi(y_m.atan2(x_m)), delay as u32, [mx, my]));
+                    visible.push((from_minus_pi(y_m.atan2(x_m)), delay as u32, [mx, my]));
                 }
             }
         }
-        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let offsets: Vec<[i32; 2]> = near.iter().map(|pixel| pixel.2).chain(blind).collect();
+        visible.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let offsets: Vec<[i32; 2]> = visible.iter().map(|pixel| pixel.2).chain(hidden).collect();
         Self {
             half_cells,
-            bearings: BearingIndex::new(near.iter().map(|pixel| pixel.0).collect()),
-            delays: near.iter().map(|pixel| pixel.1).collect(),
-            places: offsets
+            bearings: BearingIndex::new(visible.iter().map(|pixel| pixel.0).collect()),
+            delays: visible.iter().map(|pixel| pixel.1).collect(),
+            square_indices: offsets
                 .iter()
                 .map(|[mx, my]| ((my + half) * (2 * half + 1) + mx + half) as u32)
                 .collect(),
@@ -57,12 +58,12 @@ impl ImageWindow {
         }
     }
 
-    /// Pixels of an image.
+    /// Number of pixels.
     pub fn len(&self) -> usize {
         self.offsets.len()
     }
 
-    /// True for a window without pixels, which there is not.
+    /// True for a window without pixels; no window is empty.
     pub fn is_empty(&self) -> bool {
         self.offsets.is_empty()
     }
@@ -77,17 +78,18 @@ impl ImageWindow {
         &self.offsets
     }
 
-    /// Draws the echo image of one block for a heading; `polar` is `[direction, delay]`, or one row for all directions.
+    /// Draws the echo image of one block for a heading, eqs. (4)-(6). `polar` is H as `[direction, delay in
+    /// samples]`, or one row that stands for all directions.
     ///
-    /// `image` has [`Self::len`] elements in the order of [`Self::offsets`].
+    /// `image` has [`Self::len`] elements in the order of [`Self::offsets`]; pixels without an echo are zero.
     pub fn draw(&self, polar: ArrayView2<'_, f32>, heading_rad: f64, image: &mut [f32]) {
-        let lit = self.bearings.len();
-        image[lit..].fill(0.0);
+        let visible = self.bearings.len();
+        image[visible..].fill(0.0);
         let Some(directions) = polar.nrows().checked_sub(1) else {
             return image.fill(0.0);
         };
         if directions == 0 {
-            return self.look_up(polar.row(0), 0, &mut image[..lit]);
+            return self.look_up(polar.row(0), 0, &mut image[..visible]);
         }
         let mut borders = vec![0; 2 * directions];
         self.bearings.borders(directions, heading_rad, &mut borders);
@@ -96,22 +98,23 @@ impl ImageWindow {
         });
     }
 
-    /// Pixels with an echo; they come first in the order of the images.
-    pub(crate) fn lit(&self) -> usize {
+    /// Number of pixels with an echo; they come first.
+    pub(crate) fn visible(&self) -> usize {
         self.bearings.len()
     }
 
-    /// Places of all pixels in the square, row by row.
-    pub(crate) fn places(&self) -> &[u32] {
-        &self.places
+    /// Indices of all pixels in the square array, row by row.
+    pub(crate) fn square_indices(&self) -> &[u32] {
+        &self.square_indices
     }
 
-    /// The pixels with an echo by the directions in which they are seen.
+    /// The pixels with an echo, sorted by angle.
     pub(crate) fn bearings(&self) -> &BearingIndex {
         &self.bearings
     }
 
-    /// Writes the echoes that pixels see from `first` on, as many as there are, in a direction whose echoes by delay are `row`.
+    /// Writes the echoes of the pixels from `first` on, as many as `pixels` has, in a direction whose echoes by delay
+    /// are `row`.
     pub(crate) fn look_up(&self, row: ArrayView1<'_, f32>, first: usize, pixels: &mut [f32]) {
         let pixels = pixels.iter_mut().zip(&self.delays[first..]);
         if let Some(row) = row.as_slice() {
@@ -125,13 +128,13 @@ impl ImageWindow {
         }
     }
 
-    /// An image in the order of the window as an array `[my + N_W, mx + N_W]`.
+    /// An image as an array `[my + N_W, mx + N_W]`.
     pub fn to_array(&self, image: &[f32]) -> Array2<f32> {
         let width = 2 * self.half_cells + 1;
         let mut array = Array2::zeros((width, width));
-        for (&place, &value) in self.places.iter().zip(image) {
-            let place = place as usize;
-            array[[place / width, place % width]] = value;
+        for (&index, &value) in self.square_indices.iter().zip(image) {
+            let index = index as usize;
+            array[[index / width, index % width]] = value;
         }
         array
     }
@@ -150,7 +153,11 @@ mod tests {
     proptest! {
             #![proptest_config(ProptestConfig::with_cases(64))]
             #[test]
-            fn drawing_agrees_with_the_printed_equations(heading in -10.0..10.0, half in 1_usize..30, directions in 1_usize..40) {
+            fn drawing_agrees_with_the_printed_equations(
+            heading in -10.0..10.0,
+            half in 1_usize..30,
+            directions in 1_usize..40,
+        ) {
                 let parameters = Parameters { measurement: MeasurementParameters { max_range_m: 2.5,
     directions,
     ..MeasurementParameters::default() },

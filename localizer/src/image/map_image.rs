@@ -8,7 +8,7 @@ use crate::image::echo_image::ImageWindow;
 use crate::parameters::{Method, Parameters};
 use crate::pose::Pose;
 
-/// Largest number of cells of a map: more than any room needs, less than a machine's memory.
+/// Largest number of cells of a map; poses further apart than that are an error of unit.
 const MOST_CELLS: i64 = 1 << 28;
 
 /// A map image and its range-only counterpart on the world's cell grid.
@@ -39,7 +39,7 @@ impl MapImage {
         self.origin_cell.map(|cell| cell as f64 * self.cell_m)
     }
 
-    /// The layer that a method is matched with.
+    /// The layer `[iy, ix]` that a method is matched with.
     pub fn layer(&self, method: Method) -> &Array2<f32> {
         match method {
             Method::ToaOnly => &self.toa_only,
@@ -47,10 +47,10 @@ impl MapImage {
         }
     }
 
-    /// Cuts the window around a world cell out of a layer, eq. (13) before its quantization; zero outside of the map.
+    /// Copies the window around a world cell from a layer, eq. (13) before its quantization; zero outside of the map.
     ///
     /// `image` has `window.len()` elements in the order of `window.offsets()`.
-    pub fn crop(&self, method: Method, window: &ImageWindow, centre: [i64; 2], image: &mut [f32]) {
+    pub fn patch(&self, method: Method, window: &ImageWindow, centre: [i64; 2], image: &mut [f32]) {
         let layer = self.layer(method);
         let (rows, columns) = (layer.nrows() as i64, layer.ncols() as i64);
         let first = [
@@ -71,7 +71,8 @@ impl MapImage {
         }
     }
 
-    /// The rows of the square of `2 half + 1` cells a side around a world cell, if all of it lies within the map.
+    /// Rows of the square of `2 half + 1` cells a side around a world cell; `None` unless all of it lies within the
+    /// map.
     pub(crate) fn rows_around(
         &self,
         method: Method,
@@ -128,9 +129,9 @@ pub(crate) fn cell_of(pose: &Pose, cell_m: f64) -> [i64; 2] {
 /// the window's half width, if that is more) beyond the outermost poses.
 ///
 /// # Errors
-/// [`Error::Invalid`] when no drive has a moving block, the number of poses differs from that of the blocks, a pose is not
-/// finite, the drives were measured with different parameters, or the poses lie so far apart that the map does not fit
-/// into memory.
+/// [`Error::Invalid`] when no drive has a moving block, the number of poses differs from that of the blocks, a pose
+/// is not finite, the drives were measured with different parameters, or the poses lie so far apart that the map does
+/// not fit into memory.
 pub fn build(drives: &[(&EchoSequence, &[Pose])]) -> Result<MapImage, Error> {
     let refuse = |field: String, problem: String, remedy: &str| {
         Error::invalid("map", field, problem, remedy)
@@ -161,10 +162,10 @@ pub fn build(drives: &[(&EchoSequence, &[Pose])]) -> Result<MapImage, Error> {
                 "give the true pose of every block (truth.tum)",
             ));
         }
-        if let Some(place) = poses.iter().position(|pose| !pose.is_finite()) {
+        if let Some(index) = poses.iter().position(|pose| !pose.is_finite()) {
             return Err(refuse(
                 field,
-                format!("pose {place} is not finite"),
+                format!("pose {index} is not finite"),
                 "give finite poses",
             ));
         }
@@ -290,16 +291,16 @@ mod tests {
     }
 
     #[test]
-    fn a_crop_reads_zero_outside() {
+    fn a_patch_reads_zero_outside() {
         let parameters = Parameters::default();
         let sequence = sequence(&parameters, 0, 2.0, false);
         let map = build(&[(&sequence, &[Pose::default()])]).unwrap();
         let window = ImageWindow::new(&parameters, 3);
         let mut image = vec![1.0; window.len()];
-        map.crop(Method::Doppler, &window, [20, 0], &mut image);
+        map.patch(Method::Doppler, &window, [20, 0], &mut image);
         assert_eq!(window.to_array(&image)[[3, 3]], 30.0);
         for far in [[1000, 0], [0, -1000], [i64::MAX, i64::MIN]] {
-            map.crop(Method::Doppler, &window, far, &mut image);
+            map.patch(Method::Doppler, &window, far, &mut image);
             assert!(image.iter().all(|&value| value == 0.0));
         }
     }

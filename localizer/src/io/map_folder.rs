@@ -21,7 +21,7 @@ struct MapHeader {
     /// Centre of the first cell, for readers of the file.
     origin_m: [f64; 2],
     cell_m: f64,
-    /// FNV-1a of shape and values of both layers: tells a mixed-up or damaged folder.
+    /// FNV-1a of shape and values of both layers; reveals a mixed-up or damaged folder.
     hash: String,
     parameters: Parameters,
 }
@@ -39,7 +39,8 @@ impl MapImage {
         // A map server's origin is the lower left corner of the lower left cell.
         let [x_m, y_m] = self.origin_m().map(|centre| centre - 0.5 * self.cell_m);
         let yaml = format!(
-            "image: map.pgm\nresolution: {:.6}\norigin: [{x_m:.6}, {y_m:.6}, 0.0]\nnegate: 0\noccupied_thresh: 0.5\nfree_thresh: 0.2\n",
+            "image: map.pgm\nresolution: {:.6}\norigin: [{x_m:.6}, {y_m:.6}, 0.0]\n\
+             negate: 0\noccupied_thresh: 0.5\nfree_thresh: 0.2\n",
             self.cell_m
         );
         files::write_bytes(&folder.join("map.yaml"), yaml.as_bytes())?;

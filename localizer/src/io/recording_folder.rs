@@ -92,7 +92,7 @@ impl Recording {
         files::write_json(&folder.join("recording.json"), &self.meta)
     }
 
-    /// Adds `sign` times what the logs' own clocks showed at the first sample to their times.
+    /// Adds `sign` times the readings of the logs' own clocks at the first sample to their times.
     fn shift_clocks(&mut self, sign: f64) {
         let shift_s = sign * self.meta.odometry_clock_s;
         for sample in &mut self.odometry {

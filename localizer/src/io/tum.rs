@@ -20,8 +20,8 @@ impl Trajectory {
     /// Reads TUM text; `origin` names it in errors.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with the line that has not eight finite numbers, no rotation, or a time that does not increase,
-    /// or when there is no pose at all.
+    /// [`Error::Invalid`] with the line that has not eight finite numbers, no rotation, or a time that does not
+    /// increase, or when there is no pose at all.
     pub fn from_tum(text: &str, origin: &str) -> Result<Self, Error> {
         let mut trajectory = Self::default();
         for (index, line) in text.lines().enumerate() {

@@ -12,8 +12,8 @@ use crate::error::Error;
 /// Reads a mono WAV file of the given rate.
 ///
 /// # Errors
-/// [`Error::Io`] when the file cannot be opened; [`Error::Invalid`] when it is no WAV file, has several channels, another
-/// rate, or samples that are not finite.
+/// [`Error::Io`] when the file cannot be opened; [`Error::Invalid`] when it is no WAV file, has several channels,
+/// another rate, or samples that are not finite.
 pub fn read(path: &Path, sample_rate_hz: f64) -> Result<Vec<f32>, Error> {
     let refuse = |field: &str, problem: String, remedy: &str| {
         Error::invalid(path.display(), field, problem, remedy)

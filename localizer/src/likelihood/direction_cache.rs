@@ -1,11 +1,11 @@
-//! Quantized echo images of one block under many headings.
+//! Direction cache: quantized echo images of one block under many headings.
 //!
-//! Under similar headings a pixel looks into the same few directions. The echoes of each direction are therefore laid out over
-//! the window's pixels, a sheet per direction, piece by piece as headings ask for them; an image is then put together from a few dozen
-//! contiguous arcs. The same holds for the bins, as long as the images' maxima are equal: ask for images in the order of their maxima.
+//! Under similar headings a pixel looks into the same few directions. The echoes of each direction are therefore laid
+//! out once over the pixels of the window, in strips on demand, and an image is composed of contiguous arcs of them.
+//! The same holds for bins as long as the maxima of images are equal: request images in the order of their maxima.
 //!
-//! From one heading to another close by, only those pixels change over which the borders between directions move. The maxima of sorted
-//! headings are followed from one to the next, and so may be whatever the images are used for.
+//! Between two close headings only the pixels differ over which borders between directions move. Maxima of sorted
+//! headings are updated from one to the next, and so can be quantities derived from images.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -16,20 +16,20 @@ use crate::image::echo_image::ImageWindow;
 use crate::likelihood::mutual_information::{largest_of, quantize_by};
 use crate::pose::wrap_angle;
 
-/// Pixels of a piece.
-const PIECE: usize = 32;
-/// The largest echo of a piece that is not laid out.
-const NOT_YET: f32 = -1.0;
+/// Pixels of a strip: neighbours in the order of the window.
+const STRIP: usize = 32;
+/// Marks a strip that is not laid out, in place of its largest echo.
+const EMPTY: f32 = -1.0;
 
-/// Echoes of all directions over the pixels of a window, in its order, and the images that are put together from them.
+/// Echoes of all directions over the pixels of a window, and the borders of the images composed of them.
 pub(crate) struct DirectionCache {
     directions: usize,
-    pieces: Strips,
+    strips: Strips,
     /// Borders of all images, see [`crate::image::bearing_index::BearingIndex::borders`].
     borders: Vec<u32>,
 }
 
-/// What a heading's image is put together from.
+/// The composition of the image of one heading.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct ImageLayout {
     /// Largest echo of the image.
@@ -41,29 +41,29 @@ pub(crate) struct ImageLayout {
 }
 
 impl DirectionCache {
-    /// For so many directions above 0, bins, and images of one block.
+    /// A cache for directions 0 to `directions`, bins 0 to `bins`, and `images` images of one block.
     pub(crate) fn new(window: &ImageWindow, directions: usize, bins: usize, images: usize) -> Self {
         Self {
             directions,
-            pieces: Strips::new(window.lit(), directions, bins),
+            strips: Strips::new(window.visible(), directions, bins),
             borders: Vec::with_capacity(images * 2 * directions),
         }
     }
 
-    /// Directions above 0 that they were made for.
+    /// Index of the last direction.
     pub(crate) fn directions(&self) -> usize {
         self.directions
     }
 
-    /// Forgets the block.
+    /// Starts a new block.
     pub(crate) fn clear(&mut self) {
-        self.pieces.clear();
+        self.strips.clear();
         self.borders.clear();
     }
 
-    /// Looks for what the image of a heading is put together from. `polar` is `[direction, delay]`, the same until [`Self::clear`];
-    /// `before` is an earlier outline, best that of a heading close by.
-    pub(crate) fn outline(
+    /// The layout of the image of a heading. `polar` is `[direction, delay]`, the same until [`Self::clear`];
+    /// `before` is an earlier layout, preferably of a close heading.
+    pub(crate) fn layout(
         &mut self,
         window: &ImageWindow,
         polar: ArrayView2<'_, f32>,
@@ -75,39 +75,40 @@ impl DirectionCache {
         window
             .bearings()
             .borders(self.directions, heading_rad, &mut self.borders[first..]);
-        let mut outline = ImageLayout {
+        let mut layout = ImageLayout {
             largest: 0.0,
             brightest: 0,
             heading_rad,
             borders: first..self.borders.len(),
         };
         let followed = before
-            .filter(|before| self.is_close(before, &outline))
-            .and_then(|before| self.follow(window, polar, before, &outline));
-        (outline.largest, outline.brightest) =
-            followed.unwrap_or_else(|| self.search(window, polar, &outline));
-        outline
+            .filter(|before| self.is_close(before, &layout))
+            .and_then(|before| self.follow(window, polar, before, &layout));
+        (layout.largest, layout.brightest) =
+            followed.unwrap_or_else(|| self.search(window, polar, &layout));
+        layout
     }
 
-    /// Largest echo and its pixel, from those of an outline close by; nothing if a smaller echo might now be the largest.
+    /// Largest echo and its pixel, updated from a layout of a close heading; `None` if the previous maximum may be
+    /// gone.
     fn follow(
         &mut self,
         window: &ImageWindow,
         polar: ArrayView2<'_, f32>,
         before: &ImageLayout,
-        outline: &ImageLayout,
+        layout: &ImageLayout,
     ) -> Option<(f32, usize)> {
         let (mut largest, mut brightest) = (before.largest, before.brightest);
         let mut lost = false;
         window.bearings().for_each_change(
             &self.borders[before.borders.clone()],
-            &self.borders[outline.borders.clone()],
+            &self.borders[layout.borders.clone()],
             |_, direction, pixels| {
                 lost |= pixels.contains(&before.brightest);
-                for piece in pieces_of(&pixels) {
-                    self.pieces.lay_out(window, polar, direction, piece);
+                for strip in strips_of(&pixels) {
+                    self.strips.fill(window, polar, direction, strip);
                 }
-                let echoes = &self.pieces.echoes(direction)[pixels.clone()];
+                let echoes = &self.strips.echoes(direction)[pixels.clone()];
                 for (pixel, &echo) in pixels.zip(echoes) {
                     if echo > largest {
                         (largest, brightest) = (echo, pixel);
@@ -123,18 +124,18 @@ impl DirectionCache {
         &mut self,
         window: &ImageWindow,
         polar: ArrayView2<'_, f32>,
-        outline: &ImageLayout,
+        layout: &ImageLayout,
     ) -> (f32, usize) {
         let (mut largest, mut brightest) = (0.0, 0);
-        let borders = &self.borders[outline.borders.clone()];
+        let borders = &self.borders[layout.borders.clone()];
         window.bearings().for_each_arc(borders, |direction, arc| {
-            for piece in pieces_of(&arc) {
-                // Few pieces have what it takes to raise the maximum.
-                if self.pieces.lay_out(window, polar, direction, piece) <= largest {
+            for strip in strips_of(&arc) {
+                // Few strips can raise the maximum.
+                if self.strips.fill(window, polar, direction, strip) <= largest {
                     continue;
                 }
-                let part = arc.start.max(piece * PIECE)..arc.end.min((piece + 1) * PIECE);
-                let echoes = &self.pieces.echoes(direction)[part.clone()];
+                let part = arc.start.max(strip * STRIP)..arc.end.min((strip + 1) * STRIP);
+                let echoes = &self.strips.echoes(direction)[part.clone()];
                 for (pixel, &echo) in part.zip(echoes) {
                     if echo > largest {
                         (largest, brightest) = (echo, pixel);
@@ -146,128 +147,129 @@ impl DirectionCache {
     }
 
     /// Writes the bins of an image, eq. (14), in the order of the window; pixels without an echo are zero.
-    pub(crate) fn draw(&mut self, window: &ImageWindow, outline: &ImageLayout, image: &mut [u8]) {
-        if outline.largest <= 0.0 {
+    pub(crate) fn draw(&mut self, window: &ImageWindow, layout: &ImageLayout, image: &mut [u8]) {
+        if layout.largest <= 0.0 {
             return image.fill(0);
         }
-        let borders = &self.borders[outline.borders.clone()];
+        let borders = &self.borders[layout.borders.clone()];
         window.bearings().for_each_arc(borders, |direction, arc| {
-            self.pieces.quantize(direction, &arc, outline.largest);
-            image[arc.clone()].copy_from_slice(&self.pieces.bins(direction)[arc]);
+            self.strips.quantize(direction, &arc, layout.largest);
+            image[arc.clone()].copy_from_slice(&self.strips.bins(direction)[arc]);
         });
-        image[window.lit()..].fill(0);
+        image[window.visible()..].fill(0);
     }
 
-    /// True if [`Self::for_each_change`] can tell how the images of two outlines differ.
-    pub(crate) fn is_change(&self, before: &ImageLayout, outline: &ImageLayout) -> bool {
-        before.largest == outline.largest && self.is_close(before, outline)
+    /// True if [`Self::for_each_change`] applies to two layouts.
+    pub(crate) fn is_change(&self, before: &ImageLayout, layout: &ImageLayout) -> bool {
+        before.largest == layout.largest && self.is_close(before, layout)
     }
 
-    /// Calls `told` with all stretches of pixels that see another direction in one image than in another: the first pixel, their bins there and
-    /// here. `before` was drawn, or followed, before any image with another maximum; [`Self::is_change`] holds.
+    /// Calls `visit` for all ranges of pixels whose direction differs between two images: first pixel, bins before,
+    /// bins after. `before` was drawn or visited before any image with another maximum, and [`Self::is_change`]
+    /// holds.
     pub(crate) fn for_each_change(
         &mut self,
         window: &ImageWindow,
         before: &ImageLayout,
-        outline: &ImageLayout,
-        mut told: impl FnMut(usize, &[u8], &[u8]),
+        layout: &ImageLayout,
+        mut visit: impl FnMut(usize, &[u8], &[u8]),
     ) {
-        if outline.largest <= 0.0 {
+        if layout.largest <= 0.0 {
             return;
         }
         window.bearings().for_each_change(
             &self.borders[before.borders.clone()],
-            &self.borders[outline.borders.clone()],
+            &self.borders[layout.borders.clone()],
             |old, new, pixels| {
-                self.pieces.quantize(new, &pixels, outline.largest);
-                let [old, new] = [old, new].map(|direction| self.pieces.bins(direction));
-                told(pixels.start, &old[pixels.clone()], &new[pixels]);
+                self.strips.quantize(new, &pixels, layout.largest);
+                let [old, new] = [old, new].map(|direction| self.strips.bins(direction));
+                visit(pixels.start, &old[pixels.clone()], &new[pixels]);
             },
         );
     }
 
-    /// True if the borders of two outlines are those before and after a small turn.
-    fn is_close(&self, before: &ImageLayout, outline: &ImageLayout) -> bool {
-        let turned = wrap_angle(outline.heading_rad - before.heading_rad).abs();
+    /// True if two headings differ by less than half a direction step.
+    fn is_close(&self, before: &ImageLayout, layout: &ImageLayout) -> bool {
+        let turned = wrap_angle(layout.heading_rad - before.heading_rad).abs();
         turned < 0.49 * PI / self.directions as f64
     }
 }
 
-/// Numbers of the pieces that hold some pixels.
-fn pieces_of(pixels: &Range<usize>) -> Range<usize> {
-    pixels.start / PIECE..pixels.end.div_ceil(PIECE)
+/// Indices of the strips that contain some pixels.
+fn strips_of(pixels: &Range<usize>) -> Range<usize> {
+    pixels.start / STRIP..pixels.end.div_ceil(STRIP)
 }
 
-/// Echoes and their bins, sheet after sheet, each of whole pieces.
+/// Echoes and their bins, one row of strips per direction.
 struct Strips {
     bins: usize,
-    /// Strips of a sheet.
-    per_sheet: usize,
+    /// Strips per direction.
+    per_direction: usize,
     echoes: Vec<f32>,
-    /// Largest echo of each piece; negative until it is laid out.
+    /// Largest echo of each strip; negative until it is laid out.
     largest: Vec<f32>,
     /// Bins of `echoes`.
     quantized: Vec<u8>,
-    /// Maximum by which a piece of `quantized` was made; zero for none.
+    /// Maximum by which each strip of `quantized` was made; zero for none.
     maxima: Vec<f32>,
 }
 
 impl Strips {
-    /// Of sheets for directions 0 to `directions`.
+    /// Strips for directions 0 to `directions`.
     fn new(pixels: usize, directions: usize, bins: usize) -> Self {
-        let per_sheet = pixels.div_ceil(PIECE);
-        let count = (directions + 1) * per_sheet;
+        let per_direction = pixels.div_ceil(STRIP);
+        let count = (directions + 1) * per_direction;
         Self {
             bins,
-            per_sheet,
-            echoes: vec![0.0; count * PIECE],
-            largest: vec![NOT_YET; count],
-            quantized: vec![0; count * PIECE],
+            per_direction,
+            echoes: vec![0.0; count * STRIP],
+            largest: vec![EMPTY; count],
+            quantized: vec![0; count * STRIP],
             maxima: vec![0.0; count],
         }
     }
 
     fn clear(&mut self) {
-        self.largest.fill(NOT_YET);
+        self.largest.fill(EMPTY);
         self.maxima.fill(0.0);
     }
 
     /// Echoes of a direction over the pixels, as far as they are laid out.
     fn echoes(&self, direction: usize) -> &[f32] {
-        &self.echoes[direction * self.per_sheet * PIECE..][..self.per_sheet * PIECE]
+        &self.echoes[direction * self.per_direction * STRIP..][..self.per_direction * STRIP]
     }
 
     /// Bins of a direction over the pixels, as far as they are quantized.
     fn bins(&self, direction: usize) -> &[u8] {
-        &self.quantized[direction * self.per_sheet * PIECE..][..self.per_sheet * PIECE]
+        &self.quantized[direction * self.per_direction * STRIP..][..self.per_direction * STRIP]
     }
 
-    /// Lays a piece of a sheet out, if it is not yet, and returns its largest echo.
-    fn lay_out(
+    /// Lays out a strip of a direction unless it is already, and returns its largest echo.
+    fn fill(
         &mut self,
         window: &ImageWindow,
         polar: ArrayView2<'_, f32>,
         direction: usize,
-        piece: usize,
+        strip: usize,
     ) -> f32 {
-        let place = direction * self.per_sheet + piece;
-        if self.largest[place] < 0.0 {
-            let echoes = &mut self.echoes[place * PIECE..][..PIECE];
+        let index = direction * self.per_direction + strip;
+        if self.largest[index] < 0.0 {
+            let echoes = &mut self.echoes[index * STRIP..][..STRIP];
             let row = polar.row(direction);
-            window.look_up(row, piece * PIECE, echoes);
-            self.largest[place] = largest_of(echoes);
+            window.look_up(row, strip * STRIP, echoes);
+            self.largest[index] = largest_of(echoes);
         }
-        self.largest[place]
+        self.largest[index]
     }
 
-    /// Makes the bins of some pixels of a direction, all laid out, for images with the maximum `largest`.
+    /// Quantizes some pixels of a direction, all laid out, for images with the maximum `largest`.
     fn quantize(&mut self, direction: usize, pixels: &Range<usize>, largest: f32) {
-        let sheet = direction * self.per_sheet;
-        for piece in pieces_of(pixels) {
-            let place = sheet + piece;
-            if self.maxima[place] != largest {
-                self.maxima[place] = largest;
-                let pixels = place * PIECE..(place + 1) * PIECE;
+        let first = direction * self.per_direction;
+        for strip in strips_of(pixels) {
+            let index = first + strip;
+            if self.maxima[index] != largest {
+                self.maxima[index] = largest;
+                let pixels = index * STRIP..(index + 1) * STRIP;
                 quantize_by(
                     largest,
                     &self.echoes[pixels.clone()],
@@ -309,35 +311,35 @@ mod tests {
                         Some(*heading)
                     })
                     .collect();
-                let mut sheets = DirectionCache::new(&window, directions, 127, headings.len());
+                let mut cache = DirectionCache::new(&window, directions, 127, headings.len());
                 let mut image = vec![0.0; window.len()];
                 let (mut expected, mut drawn) = (vec![0; window.len()], vec![9; window.len()]);
                 for block in 0..2 {
                     let polar = Array2::from_shape_fn((directions + 1, parameters.delays()), |(n, k)| {
                         (((n * 7 + k * 13 + block) % 101) as f32).powi(power) - 1.0
                     });
-                    sheets.clear();
-                    let mut outlines: Vec<ImageLayout> = Vec::new();
+                    cache.clear();
+                    let mut layouts: Vec<ImageLayout> = Vec::new();
                     for &heading in &headings {
-                        outlines.push(sheets.outline(&window, polar.view(), heading, outlines.last()));
+                        layouts.push(cache.layout(&window, polar.view(), heading, layouts.last()));
                     }
                     let mut before: Option<ImageLayout> = None;
-                    for (&heading, outline) in headings.iter().zip(outlines) {
+                    for (&heading, layout) in headings.iter().zip(layouts) {
                         window.draw(polar.view(), heading, &mut image);
                         quantize(&image, 127, &mut expected);
-                        prop_assert_eq!(outline.largest, largest_of(&image));
-                        if let Some(before) = before.filter(|before| sheets.is_change(before, &outline)) {
+                        prop_assert_eq!(layout.largest, largest_of(&image));
+                        if let Some(before) = before.filter(|before| cache.is_change(before, &layout)) {
                             let mut followed = drawn.clone();
-                            sheets.for_each_change(&window, &before, &outline, |start, old, new| {
+                            cache.for_each_change(&window, &before, &layout, |start, old, new| {
                                 let part = &mut followed[start..start + old.len()];
                                 assert_eq!(part, old);
                                 part.copy_from_slice(new);
                             });
                             prop_assert_eq!(&followed, &expected);
                         }
-                        sheets.draw(&window, &outline, &mut drawn);
+                        cache.draw(&window, &layout, &mut drawn);
                         prop_assert_eq!(&drawn, &expected);
-                        before = Some(outline);
+                        before = Some(layout);
                     }
                 }
             }

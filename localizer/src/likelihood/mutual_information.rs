@@ -1,21 +1,21 @@
 //! Mutual information of two quantized images, eqs. (9)-(14).
 //!
-//! With counts n of N pixels, eq. (9) is exactly
-//! `(sum n ln n (joint) - sum n ln n (first) - sum n ln n (second)) / N + ln N`, and n ln n comes from a table of fixed-point numbers. Their
-//! sums are exact: they do not depend on an order, and follow when single pixels change.
+//! With counts n of N pixels, eq. (9) is exactly `(sum n ln n (joint) - sum n ln n (first) - sum n ln n (second)) / N
+//! + ln N`. n ln n comes from a table of fixed-point numbers, so that sums are exact: they do not depend on the
+//! order, and can be updated when single pixels change.
 
 use crate::simd::vectorized;
 
-/// Copies of counts of single bins, so that a run of equal pixels does not wait for itself.
+/// Independent copies of the counts of one image, so that a run of equal pixels does not serialize.
 const LANES: usize = 4;
 
-/// Counts, logarithms and room for images of a fixed number of pixels and bins; nothing is allocated afterwards.
+/// Mutual information of images of a fixed number of pixels and bins; nothing is allocated after [`Self::new`].
 #[derive(Debug, Clone)]
 pub struct MutualInformation {
     /// Binary digits of one bin number.
     digits: u32,
     pixels: usize,
-    /// Counts of the pair, row by row. Has a place for every `u16`, so that none has to be checked.
+    /// Counts of the pair, row by row; one entry for every `u16`, so that no index needs a check.
     joint: Box<[u32; 1 << 16]>,
     /// Counts of the first image.
     single: [u32; 256],
@@ -27,13 +27,13 @@ pub struct MutualInformation {
 /// A sum of n ln n in the units of [`Logarithms`].
 type Fixed = i64;
 
-/// n ln n as fixed-point numbers, as fine as the largest possible sum allows.
+/// n ln n as fixed-point numbers, as fine as the largest possible sum permits.
 #[derive(Debug, Clone)]
 struct Logarithms {
     /// One unit is 2 to the power of minus this.
     binary_places: i32,
     values: Vec<Fixed>,
-    /// What one more adds to n of them.
+    /// Increase of n ln n from n to n + 1.
     steps: Vec<Fixed>,
 }
 
@@ -57,14 +57,14 @@ impl Logarithms {
         counts.iter().map(|&n| self.values[n as usize]).sum()
     }
 
-    /// The number that a sum stands for.
+    /// The value of a sum.
     fn number(&self, sum: Fixed) -> f64 {
         sum as f64 * 2.0_f64.powi(-self.binary_places)
     }
 }
 
 impl MutualInformation {
-    /// For images of `pixels` pixels with bin numbers 0 to `bins` (at most 255).
+    /// A measure for images of `pixels` pixels with bin numbers 0 to `bins` (at most 255).
     pub fn new(bins: usize, pixels: usize) -> Self {
         Self {
             digits: (bins.min(255) + 1).next_power_of_two().ilog2(),
@@ -76,7 +76,7 @@ impl MutualInformation {
         }
     }
 
-    /// Sum of n ln n over the bins of one image: `N ln N - N` times its entropy, in units of its own.
+    /// Sum of n ln n over the bins of one image, in fixed-point units; its entropy is `ln N` minus this sum over N.
     pub fn marginal(&self, image: &[u8]) -> i64 {
         let mut lanes = [[0_u32; 256]; LANES];
         let (chunks, rest) = image.as_chunks::<LANES>();
@@ -103,7 +103,7 @@ impl MutualInformation {
         self.value(second_sum)
     }
 
-    /// Eq. (9) of the pair whose counts are held; `second_sum` as for [`Self::information`].
+    /// Eq. (9) of the pair counted last; `second_sum` as for [`Self::information`].
     pub(crate) fn value(&self, second_sum: i64) -> f64 {
         if self.pixels == 0 {
             return 0.0;
@@ -111,14 +111,14 @@ impl MutualInformation {
         let total = self.pixels as f64;
         let first_sum = self.n_ln_n.sum(&self.single[..1 << self.digits]);
         let sum = self.n_ln_n.number(self.joint_sum - first_sum - second_sum);
-        // Rounding may leave a tiny negative number where there is no information.
+        // Rounding may leave a small negative number.
         (sum / total + total.ln()).max(0.0)
     }
 
     /// Counts a pair.
     fn count(&mut self, first: &[u8], second: &[u8]) {
         let (digits, width) = (self.digits, 1 << self.digits);
-        // Rows of bins that the first image before did not have are zero.
+        // Rows of bins that the previous first image did not have are zero already.
         let rows = self.joint.chunks_exact_mut(width).take(width);
         for (row, _) in rows.zip(&self.single).filter(|(_, n)| **n > 0) {
             row.fill(0);
@@ -138,13 +138,14 @@ impl MutualInformation {
         });
     }
 
-    /// Takes account of pixels whose bins in the first image of the pair changed from `old` to `new`; `second` are theirs in the second.
+    /// Updates the counts for pixels whose bins in the first image changed from `old` to `new`; `second` are their
+    /// bins in the second image.
     pub(crate) fn change(&mut self, old: &[u8], new: &[u8], second: &[u8]) {
         let digits = self.digits;
         let place =
             |first: u8, second: u8| usize::from((u16::from(first) << digits) | u16::from(second));
         let steps = self.n_ln_n.steps.as_slice();
-        // In a register: in memory, each change would wait for the one before.
+        // A local sum stays in a register, so that changes do not wait for memory.
         let mut sum = self.joint_sum;
         for ((&old, &new), &second) in old.iter().zip(new).zip(second) {
             if old == new {
@@ -163,7 +164,8 @@ impl MutualInformation {
     }
 }
 
-/// Bin numbers floor(K value / max) of an image of non-negative values, eqs. (13) and (14); all zero for a black image.
+/// Bin numbers floor(K value / max) of an image of non-negative values, eqs. (13) and (14); all zero for an image of
+/// zeros.
 pub fn quantize(image: &[f32], bins: usize, quantized: &mut [u8]) {
     let largest = largest_of(image);
     if largest <= 0.0 {
@@ -172,7 +174,7 @@ pub fn quantize(image: &[f32], bins: usize, quantized: &mut [u8]) {
     quantize_by(largest, image, bins, quantized);
 }
 
-/// [`quantize`] by a positive maximum that is known.
+/// [`quantize`] with a given positive maximum.
 pub(crate) fn quantize_by(largest: f32, image: &[f32], bins: usize, quantized: &mut [u8]) {
     let bins = bins as f32;
     vectorized(|| {
@@ -182,10 +184,10 @@ pub(crate) fn quantize_by(largest: f32, image: &[f32], bins: usize, quantized: &
     });
 }
 
-/// Floor of a number below 256, zero for a negative one. A conversion by `as` would be done number by number, not eight at once.
+/// Floor of a number below 256, zero for a negative one; vectorizes, which a conversion by `as` does not.
 #[inline(always)]
 fn floor(number: f32) -> u8 {
-    /// 2^23: sums with it are whole numbers, rounded, and end in their binary digits.
+    /// 2^23: a sum with it is rounded to a whole number, in its lowest binary digits.
     const WHOLE: f32 = 8_388_608.0;
     let number = if number > 0.0 { number } else { 0.0 };
     let rounded = (number + WHOLE) - WHOLE;
@@ -193,7 +195,7 @@ fn floor(number: f32) -> u8 {
     (rounded - excess + WHOLE).to_bits() as u8
 }
 
-/// Largest of non-negative values, zero without any; in eight independent lanes, for it needs no order.
+/// Largest of non-negative values, zero without any; in eight independent lanes.
 pub(crate) fn largest_of(image: &[f32]) -> f32 {
     let mut lanes = [0.0_f32; 8];
     let (chunks, rest) = image.as_chunks::<8>();

@@ -1,4 +1,4 @@
-//! Likelihood of the particles: mutual information of echo images and parts of the map, eqs. (9)-(16).
+//! Likelihood of the particles: mutual information of echo images and map patches, eqs. (9)-(16).
 
 use ndarray::ArrayView2;
 
@@ -10,28 +10,28 @@ use crate::likelihood::mutual_information::{MutualInformation, quantize};
 use crate::parameters::{Method, Parameters};
 use crate::pose::{Pose, wrap_angle};
 
-/// Compares echo images with parts of the map, eqs. (9)-(16).
+/// Compares the echo image of each particle with its map patch, eqs. (9)-(16).
 pub(crate) struct ParticleLikelihood {
     sensor_offset_m: [f64; 2],
     bins: usize,
     window: ImageWindow,
-    tool: MutualInformation,
-    sheets: DirectionCache,
+    mutual_information: MutualInformation,
+    cache: DirectionCache,
     image: Vec<f32>,
     echo: Vec<u8>,
-    crops: MapPatches,
-    sights: Vec<Comparison>,
-    /// Largest echo, crop and place in `sights` of each, sorted.
-    order: Vec<(u32, usize, usize)>,
+    patches: MapPatches,
+    comparisons: Vec<Comparison>,
+    /// Largest echo, patch and index in `comparisons`, sorted.
+    sequence: Vec<(u32, usize, usize)>,
 }
 
-/// What a particle is to be compared with.
+/// The comparison of one particle's echo image with its map patch.
 #[derive(Debug, Clone)]
 struct Comparison {
     particle: usize,
-    crop: usize,
+    patch: usize,
     heading_rad: f64,
-    outline: ImageLayout,
+    layout: ImageLayout,
 }
 
 impl ParticleLikelihood {
@@ -45,24 +45,25 @@ impl ParticleLikelihood {
         Self {
             sensor_offset_m: parameters.signal.sensor_offset_m,
             bins: parameters.filter.bins,
-            tool: MutualInformation::new(parameters.filter.bins, window.len()),
-            sheets: DirectionCache::new(&window, directions, parameters.filter.bins, particles),
+            mutual_information: MutualInformation::new(parameters.filter.bins, window.len()),
+            cache: DirectionCache::new(&window, directions, parameters.filter.bins, particles),
             image: vec![0.0; window.len()],
             echo: vec![0; window.len()],
-            // As many as there can be cells with particles: made now, a step never has to allocate.
-            crops: MapPatches::new(
+            // One per particle at most, so that a step does not allocate.
+            patches: MapPatches::new(
                 parameters.filter.method,
                 &window,
                 parameters.filter.bins,
                 particles,
             ),
-            sights: Vec::with_capacity(particles),
-            order: Vec::with_capacity(particles),
+            comparisons: Vec::with_capacity(particles),
+            sequence: Vec::with_capacity(particles),
             window,
         }
     }
 
-    /// Mutual information of every particle's echo image and part of the map.
+    /// Writes the mutual information in nats of every particle's echo image and map patch. `polar` is `[direction,
+    /// delay]`, or one row in the range-only method.
     pub(crate) fn information(
         &mut self,
         polar: ArrayView2<'_, f32>,
@@ -71,79 +72,84 @@ impl ParticleLikelihood {
         information: &mut [f64],
     ) {
         if polar.nrows() < 2 {
-            return self.blind_information(polar, map, particles, information);
+            return self.range_only_information(polar, map, particles, information);
         }
-        if polar.nrows() != self.sheets.directions() + 1 {
-            // Another number of directions than the parameters said.
-            self.sheets =
+        if polar.nrows() != self.cache.directions() + 1 {
+            // More or fewer directions than the parameters have.
+            self.cache =
                 DirectionCache::new(&self.window, polar.nrows() - 1, self.bins, particles.len());
         }
-        self.see(polar, map, particles);
+        self.plan(polar, map, particles);
         let mut before: Option<&Comparison> = None;
-        for &(_, _, place) in &self.order {
-            let sight = &self.sights[place];
-            let crop = self.crops.get(sight.crop);
+        for &(_, _, index) in &self.sequence {
+            let comparison = &self.comparisons[index];
+            let patch = self.patches.get(comparison.patch);
             let followed = before.filter(|before| {
-                before.crop == sight.crop && self.sheets.is_change(&before.outline, &sight.outline)
+                before.patch == comparison.patch
+                    && self.cache.is_change(&before.layout, &comparison.layout)
             });
-            information[sight.particle] = match followed {
+            information[comparison.particle] = match followed {
                 Some(before) => {
-                    self.sheets.for_each_change(
+                    self.cache.for_each_change(
                         &self.window,
-                        &before.outline,
-                        &sight.outline,
+                        &before.layout,
+                        &comparison.layout,
                         |start, old, new| {
-                            self.tool.change(old, new, &crop.bins[start..]);
+                            self.mutual_information
+                                .change(old, new, &patch.bins[start..]);
                         },
                     );
-                    self.tool.value(crop.marginal)
+                    self.mutual_information.value(patch.marginal)
                 }
                 None => {
-                    self.sheets
-                        .draw(&self.window, &sight.outline, &mut self.echo);
-                    self.tool.information(&self.echo, &crop.bins, crop.marginal)
+                    self.cache
+                        .draw(&self.window, &comparison.layout, &mut self.echo);
+                    self.mutual_information
+                        .information(&self.echo, &patch.bins, patch.marginal)
                 }
             };
-            before = Some(sight);
+            before = Some(comparison);
         }
     }
 
-    /// Finds what each particle is to be compared with, and the order in which that is done.
-    fn see(&mut self, polar: ArrayView2<'_, f32>, map: &MapImage, particles: &[Pose]) {
-        self.sheets.clear();
-        self.crops.clear();
-        self.sights.clear();
+    /// Prepares the comparison of each particle, and the sequence in which they are evaluated.
+    fn plan(&mut self, polar: ArrayView2<'_, f32>, map: &MapImage, particles: &[Pose]) {
+        self.cache.clear();
+        self.patches.clear();
+        self.comparisons.clear();
         for (particle, pose) in particles.iter().enumerate() {
-            let crop = self.crop_around(map, pose);
-            self.sights.push(Comparison {
+            let patch = self.patch_at(map, pose);
+            self.comparisons.push(Comparison {
                 particle,
-                crop,
+                patch,
                 heading_rad: wrap_angle(pose.heading_rad),
-                outline: ImageLayout::default(),
+                layout: ImageLayout::default(),
             });
         }
-        self.sights
+        self.comparisons
             .sort_unstable_by(|a, b| a.heading_rad.total_cmp(&b.heading_rad));
-        for place in 0..self.sights.len() {
-            let (before, rest) = self.sights.split_at_mut(place);
-            let before = before.last().map(|before| &before.outline);
-            let sight = &mut rest[0];
-            sight.outline = self
-                .sheets
-                .outline(&self.window, polar, sight.heading_rad, before);
+        for index in 0..self.comparisons.len() {
+            let (before, rest) = self.comparisons.split_at_mut(index);
+            let before = before.last().map(|before| &before.layout);
+            let comparison = &mut rest[0];
+            comparison.layout =
+                self.cache
+                    .layout(&self.window, polar, comparison.heading_rad, before);
         }
-        // Images with the same maximum share their bins; before the same part of the map and from nearly the same heading, most pixels. Largest echoes
-        // are no negative numbers: they compare as their bits do. Places are in the order of headings.
-        self.order.clear();
-        let sights = self.sights.iter().enumerate();
-        self.order.extend(
-            sights.map(|(place, sight)| (sight.outline.largest.to_bits(), sight.crop, place)),
-        );
-        self.order.sort_unstable();
+        // Images with the same maximum share their bins; for the same patch and a close heading, also most pixels.
+        // Largest echoes are not negative, so that they compare as their bits do; indices are in the order of
+        // headings.
+        self.sequence.clear();
+        let comparisons = self.comparisons.iter().enumerate();
+        self.sequence.extend(comparisons.map(|(index, comparison)| {
+            (comparison.layout.largest.to_bits(), comparison.patch, index)
+        }));
+        self.sequence.sort_unstable();
     }
 
-    /// [`Self::information`] without bearings: the echo image is the same for every particle, and so is the information in a cell.
-    fn blind_information(
+    /// [`Self::information`] in the range-only method: the echo image is the same for all particles, and the result
+    /// for all of a cell.
+    fn range_only_information(
         &mut self,
         polar: ArrayView2<'_, f32>,
         map: &MapImage,
@@ -152,22 +158,26 @@ impl ParticleLikelihood {
     ) {
         self.window.draw(polar, 0.0, &mut self.image);
         quantize(&self.image, self.bins, &mut self.echo);
-        self.crops.clear();
+        self.patches.clear();
         for (pose, out) in particles.iter().zip(information) {
-            let crop = self.crop_around(map, pose);
-            let crop = self.crops.get(crop);
-            *out = match crop.information {
+            let patch = self.patch_at(map, pose);
+            let patch = self.patches.get(patch);
+            *out = match patch.information {
                 Some(known) => known,
-                None => self.tool.information(&self.echo, &crop.bins, crop.marginal),
+                None => {
+                    self.mutual_information
+                        .information(&self.echo, &patch.bins, patch.marginal)
+                }
             };
-            crop.information = Some(*out);
+            patch.information = Some(*out);
         }
     }
 
-    /// Number of the part of the map that a pose sees.
-    fn crop_around(&mut self, map: &MapImage, pose: &Pose) -> usize {
+    /// Number of the patch around a pose.
+    fn patch_at(&mut self, map: &MapImage, pose: &Pose) -> usize {
         let centre = map.cell_of(&pose.carried(self.sensor_offset_m));
-        self.crops.around(map, &self.window, &self.tool, centre)
+        self.patches
+            .around(map, &self.window, &self.mutual_information, centre)
     }
 }
 
@@ -214,17 +224,17 @@ mod tests {
                 polar.view()
             };
             let mut fast = vec![0.0; 100];
-            let mut matcher = ParticleLikelihood::new(&Parameters {
+            let mut likelihood = ParticleLikelihood::new(&Parameters {
                 filter: FilterParameters {
                     method,
                     ..parameters.filter
                 },
                 ..parameters.clone()
             });
-            matcher.information(polar, &map, filter.particles(), &mut fast);
+            likelihood.information(polar, &map, filter.particles(), &mut fast);
             for (pose, fast) in filter.particles().iter().zip(fast) {
                 let mut image = vec![0.0; window.len()];
-                map.crop(method, &window, map.cell_of(pose), &mut image);
+                map.patch(method, &window, map.cell_of(pose), &mut image);
                 let part =
                     crate::reference::quantize(window.to_array(&image).as_slice().unwrap(), 127);
                 let plain = if method == Method::ToaOnly {

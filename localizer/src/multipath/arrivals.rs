@@ -1,8 +1,9 @@
 //! Arrival times of a whole recording (2021, process (iii)): impulse responses and their peaks, block by block.
 //!
-//! A moving robot's echoes are Doppler-scaled, and an M-sequence of 0.1 s at 10 kHz loses an echo at 0.3 m/s altogether. The impulse
-//! response is therefore the largest envelope over the directions of the Doppler bank: every echo appears with the scale that
-//! fits it. The static direct wave is removed beforehand (see [`crate::DirectWave`]), and delays below `min_range_m` are not picked.
+//! The Doppler effect decorrelates echoes of a moving robot from the transmitted signal. The impulse response is
+//! therefore the largest envelope over the directions of the Doppler bank, so that every echo appears with the scale
+//! that fits it. The static direct wave is removed beforehand (see [`crate::DirectWave`]), and delays below
+//! `min_range_m` are not picked.
 
 use ndarray::Array2;
 
@@ -22,12 +23,12 @@ pub struct ArrivalBlock {
     pub step_s: f64,
     /// Mean odometry over that time.
     pub odometry: Odometry,
-    /// Arrival times after the sound was sent, in seconds, increasing.
+    /// Arrival times after emission, in seconds, increasing.
     pub times_s: Vec<f64>,
 }
 
-/// Measures the arrival times of every block; see [`crate::echo::measure`] for what a block is and what is refused. The noise level is that
-/// of all delays up to `max_range_m`; peaks are picked at round trips of `round_trip_m`.
+/// Measures the arrival times of every block of a recording, as [`crate::echo::measure`] does echoes. The noise level
+/// is that of all delays up to `max_range_m`; peaks are picked at round trips within `round_trip_m`.
 ///
 /// # Errors
 /// As [`crate::echo::measure`].
@@ -94,8 +95,9 @@ mod tests {
         f64::from(code[chip]) * (TAU * 10e3 * t_s).sin()
     }
 
-    /// Domain: a robot at 0.3 m/s between a wall ahead (echo at 3.2 m - 0.6 t) and one behind (6 m + 0.6 t), with a static direct wave at 0.1 m,
-    /// ten times as loud. Delay law of a uniform approach to a wall; tolerance 0.02 m of round trip (rectangular chips at 40 kHz).
+    /// Domain: a robot at 0.3 m/s between a wall ahead (echo at 3.2 m - 0.6 t) and one behind (6 m + 0.6 t), with a
+    /// static direct wave at 0.1 m, ten times as loud. Delay law of a uniform approach to a wall; tolerance 0.02 m of
+    /// round trip (rectangular chips at 40 kHz).
     #[test]
     fn moving_walls_are_timed_and_the_direct_wave_is_not_picked() {
         let (c, v) = (340.0, 0.3);

@@ -66,8 +66,8 @@ impl Ekf {
         self.pose
     }
 
-    /// Eq. (1) along the heading in the middle of the step, which does not lag in turns as the printed form does; covariance
-    /// `F P F' + G Q G'`.
+    /// Eq. (1) along the heading in the middle of the step, which does not lag in turns as the printed form does;
+    /// covariance `F P F' + G Q G'`.
     fn advance(&mut self, speeds: Odometry, dt_s: f64) {
         let turn_rad = speeds.omega_radps * dt_s;
         let (sin, cos) = (self.pose.heading_rad + 0.5 * turn_rad).sin_cos();

@@ -3,7 +3,7 @@
 use super::planes::{Plane, Reflection};
 use crate::pose::Pose;
 
-/// Which reflections the filter knows (2021, section 3).
+/// The reflections of a model (2021, section 3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Model {
     /// (a): one wall.
@@ -171,10 +171,10 @@ mod tests {
         assert!((arrivals[0].time_s - 6.0 / 340.0).abs() < 1e-12);
     }
 
-    /// A corner of two walls, 3 m long each, at (0, 0): a robot hears both and, through the apex, the corner by both orders; beyond
-    /// one wall's end it loses that wall alone, and behind both it hears nothing.
+    /// A corner of two walls, 3 m long each, at (0, 0): echoes of both walls and, through the apex, of the corner in
+    /// both orders; beyond one wall's end that wall's echo is missing, and behind both there is none.
     #[test]
-    fn finite_walls_are_heard_where_they_reflect() {
+    fn finite_walls_echo_where_they_reflect() {
         let walls = [
             Plane::wall([[0.0, 0.0], [3.0, 0.0]]).unwrap(),
             Plane::wall([[0.0, 3.0], [0.0, 0.0]]).unwrap(),

@@ -1,4 +1,4 @@
-//! What the paper leaves open, one choice each.
+//! Choices that the paper leaves open.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ pub enum TimeReference {
     Start,
 }
 
-/// What is done about the sound that reaches the microphone without any wall.
+/// Removal of the sound that reaches the microphone without a wall.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DirectWave {
@@ -52,7 +52,7 @@ pub enum Integration {
     Euler,
 }
 
-/// What stands for all directions in the range-only method.
+/// The intensity that stands for all directions in the range-only method.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ToaImage {

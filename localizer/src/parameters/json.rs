@@ -5,7 +5,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::choices::{DirectWave, Integration, Method, Resampling, TimeReference, ToaImage};
 use super::{FilterParameters, MeasurementParameters, Parameters, SignalParameters};
 
-/// All fields in the order in which they are written. Those that are missing keep their default; unknown ones are refused.
+/// All fields in the order in which they are written. Those that are missing keep their default; unknown ones are
+/// refused.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct FlatParameters {

@@ -21,8 +21,9 @@ pub struct MeasurementParameters {
     pub min_range_m: f64,
     /// Echoes are measured up to this range, in metres.
     pub max_range_m: f64,
-    /// H at a delay is the largest envelope within this range to both sides, in metres. The envelope's peak is far narrower
-    /// than a cell, so that eq. (5), which reads one sample per pixel, misses most of it; 0 is eq. (5) as printed.
+    /// H at a delay is the largest envelope within this range to both sides, in metres. The envelope's peak is far
+    /// narrower than a cell, so that eq. (5), which reads one sample per pixel, misses most of it; 0 is eq. (5) as
+    /// printed.
     pub range_pool_m: f64,
     /// A block with a smaller mean speed, in m/s, has no bearings: it moves the particles but does not weigh them.
     pub min_speed_mps: f64,
@@ -57,8 +58,8 @@ impl MeasurementParameters {
         }
     }
 
-    /// Whether echoes measured with these parameters are those that `wanted` asks for. Cell width and nearest range belong to
-    /// images alone, and a shorter range is a part of the measured one.
+    /// Whether echoes measured with these parameters are those that `wanted` asks for. Cell width and nearest range
+    /// belong to images alone, and a shorter range is a part of the measured one.
     pub fn provides(&self, wanted: &Self) -> bool {
         // All fields by name: a new one does not compile until it is decided here.
         let Self {

@@ -17,7 +17,8 @@ pub use self::signal::SignalParameters;
 
 /// Parameters of the method. `Default` is Table I of the paper, plus our choice wherever the paper leaves one open.
 ///
-/// The JSON form is one flat object without the groups. Fields that are missing have their default; unknown ones are refused.
+/// The JSON form is one flat object without the groups. Fields that are missing have their default; unknown ones are
+/// refused.
 ///
 /// ```
 /// use localizer::{Method, Parameters};
@@ -31,11 +32,11 @@ pub use self::signal::SignalParameters;
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Parameters {
-    /// Waveform, sample rate, speed of sound and place of the sensors: what a recording fixes.
+    /// Waveform, sample rate, speed of sound and place of the sensors, all fixed by the recording.
     pub signal: SignalParameters,
-    /// What echoes and maps follow from, beside the signal.
+    /// Parameters that echoes and maps depend on, beside the signal's.
     pub measurement: MeasurementParameters,
-    /// What the filter alone uses.
+    /// Parameters of the filter alone.
     pub filter: FilterParameters,
 }
 
@@ -50,7 +51,7 @@ impl Parameters {
         self.signal.period_s()
     }
 
-    /// Delays kept of every echo image: 0 to the one of `max_range_m`.
+    /// Number of delays of every echo image: 0 to the one of `max_range_m`.
     pub fn delays(&self) -> usize {
         self.signal.delay_of_range(self.measurement.max_range_m) + 1
     }

@@ -1,4 +1,4 @@
-//! Parameters of the signal: what a recording fixes.
+//! Parameters of the signal, all fixed by the recording.
 
 /// Waveform, sample rate, speed of sound and place of the sensors; all of them follow from `recording.json`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,8 +14,8 @@ pub struct SignalParameters {
     /// Speed of sound c_a in m/s.
     pub speed_of_sound_mps: f64,
     /// Place on the robot, `[forward, left]` in metres, from which ranges count: the middle between loudspeaker and
-    /// microphone. With them b apart, an echo's path exceeds twice the range r from there by b^2/4r at most, and by nothing
-    /// at a corner.
+    /// microphone. With them b apart, an echo's path exceeds twice the range r from there by b^2/4r at most, and by
+    /// nothing at a corner.
     pub sensor_offset_m: [f64; 2],
 }
 

@@ -1,11 +1,11 @@
-//! What is known about a recording beside its samples: `recording.json`.
+//! The content of `recording.json`.
 
 use serde::{Deserialize, Serialize};
 
 use crate::parameters::{Parameters, SignalParameters};
 use crate::pose::Pose;
 
-/// What `recording.json` tells about a recording.
+/// The content of `recording.json`: waveform, clocks and places of the sensors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingMeta {
@@ -28,10 +28,10 @@ pub struct RecordingMeta {
     /// Place of the microphone on the robot, `[forward, left]` in metres.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub microphone_offset_m: [f64; 2],
-    /// What the clock of `odometry.csv` showed at the first sample of the signal, in seconds.
+    /// Reading of the clock of `odometry.csv` at the first sample of the signal, in seconds.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub odometry_clock_s: f64,
-    /// What the clock of `truth.tum` showed at the first sample of the signal, in seconds.
+    /// Reading of the clock of `truth.tum` at the first sample of the signal, in seconds.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub truth_clock_s: f64,
     /// Where the recording comes from, in any form.

@@ -1,8 +1,8 @@
-//! A recording: what the microphone heard and what the wheels told during one drive.
+//! A recording: microphone signal and wheel odometry of one drive.
 //!
 //! As a folder it holds `signal.wav` (mono), `odometry.csv` (`t_s,v_mps,omega_radps`), `recording.json`
-//! ([`RecordingMeta`]) and, if known, `truth.tum` (true poses) and `direct.wav` (the same drive without walls). Time 0 is
-//! the first sample, which is also the first of a period of the transmitted signal.
+//! ([`RecordingMeta`]) and, if known, `truth.tum` (true poses) and `direct.wav` (the same drive without walls). Time
+//! 0 is the first sample, which is also the first of a period of the transmitted signal.
 
 mod meta;
 
@@ -32,8 +32,8 @@ impl Recording {
     /// Checks that signal, direct wave and odometry fit together.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for samples that are not finite, a direct wave of another length, and odometry that is unsorted,
-    /// not finite, has gaps above one second, or does not cover the signal.
+    /// [`Error::Invalid`] for samples that are not finite, a direct wave of another length, and odometry that is
+    /// unsorted, not finite, has gaps above one second, or does not cover the signal.
     pub fn check(&self, origin: &str) -> Result<(), Error> {
         for (name, samples) in [
             ("signal.wav", Some(&self.signal)),

@@ -1,8 +1,9 @@
-//! Removal of what reaches the microphone without any wall: the direct wave and the coupling of loudspeaker and microphone.
+//! Removal of the direct wave: the sound that reaches the microphone without a wall, and the coupling of loudspeaker
+//! and microphone.
 //!
-//! The direct wave does not move with the robot, so it repeats exactly from period to period, while the echoes drift. An
-//! average over many periods is therefore the direct wave alone, plus those echoes that kept their delay. The average is
-//! exponential and causal, and all M periods of a block are freed from the same average, the newest one.
+//! The direct wave does not depend on the pose, so it repeats from period to period, while the delays of echoes
+//! change. The mean over many periods is therefore the direct wave, plus the echoes whose delay did not change. The
+//! mean is exponential and causal; all M periods of a block are freed from the newest mean.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -17,7 +18,7 @@ use crate::signal::waveform::transmit_period;
 /// Running estimate of one period of the direct wave.
 pub struct DirectWaveEstimate {
     mean: Vec<f32>,
-    /// Share of the past that one period leaves: exp(-T / time constant).
+    /// Weight of the past after one period: exp(-T / time constant).
     memory: f64,
     /// memory to the power of the periods so far, for the bias correction at the start.
     forgotten: f64,
@@ -25,7 +26,8 @@ pub struct DirectWaveEstimate {
     removes: bool,
 }
 
-/// Keeps of a periodic signal only what a short impulse response makes of the transmitted one.
+/// Limits a periodic signal to the part that an impulse response shorter than `min_range_m` makes of the transmitted
+/// one.
 struct Gate {
     forward: Arc<dyn Fft<f32>>,
     inverse: Arc<dyn Fft<f32>>,
@@ -39,7 +41,7 @@ struct Gate {
 }
 
 impl DirectWaveEstimate {
-    /// An estimate that knows nothing yet. `parameters` are checked ones.
+    /// An estimate before the first period. `parameters` must pass [`Parameters::check`].
     pub fn new(parameters: &Parameters) -> Self {
         let gated = parameters.measurement.direct_wave == DirectWave::GatedMean;
         Self {
@@ -57,14 +59,14 @@ impl DirectWaveEstimate {
             return;
         }
         self.forgotten *= self.memory;
-        // A plain mean at first, an exponential one in the long run.
+        // An arithmetic mean at first, an exponential one in the long run.
         let gain = ((1.0 - self.memory) / (1.0 - self.forgotten)) as f32;
         for (mean, sample) in self.mean.iter_mut().zip(period) {
             *mean += gain * (sample - *mean);
         }
     }
 
-    /// Writes the present estimate of one period: zero if nothing is to be removed.
+    /// Writes the current estimate of one period; zero if none is to be removed.
     pub fn write(&mut self, period: &mut [f32]) {
         period.copy_from_slice(&self.mean);
         if let Some(gate) = &mut self.gate {
@@ -147,7 +149,19 @@ impl Gate {
     }
 }
 
-/// The signal less the direct wave of a recording without walls.
+/// Subtracts a periodic signal, given by one period, from a block.
+pub(crate) fn subtract_period(received: &[f32], direct: &[f32], block: &mut [f32]) {
+    for (block, received) in block
+        .chunks_mut(direct.len())
+        .zip(received.chunks(direct.len()))
+    {
+        for ((block, received), direct) in block.iter_mut().zip(received).zip(direct) {
+            *block = received - direct;
+        }
+    }
+}
+
+/// The signal minus the direct wave of a recording without walls.
 ///
 /// # Errors
 /// [`Error::Invalid`] when there is no such recording or it has another length.

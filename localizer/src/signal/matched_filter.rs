@@ -1,12 +1,13 @@
-//! Eq. (1): the correlation of one period of what was received with the transmitted one, and its envelope.
+//! Matched filter, eq. (1): correlation of one received period with the transmitted one, and its envelope.
 //!
-//! The transmitted signal is periodic, so the correlation is circular with L_s lags, of which only those of the ranges asked for are
-//! wanted. A period is therefore continued by as many of its own samples as there are lags, and correlated linearly, by
-//! transforms of a length with small factors, whatever those of L_s are (4092 = 4 x 3 x 11 x 31: 6144 points take a third of its time).
+//! The transmitted signal is periodic, so the correlation is circular with L_s lags, of which only those of the
+//! ranges asked for are needed. A period is therefore continued by as many of its own samples as there are lags, and
+//! correlated linearly by transforms whose length has small factors, whatever those of L_s are.
 //!
-//! The envelope is the magnitude of the analytic signal, which the correlation with the analytic signal of the transmitted period is.
-//! Two real signals x and y share one transform, as x + i y: correlated with the analytic replica a they give c_x + i c_y, with the
-//! conjugate of a conj(c_x) + i conj(c_y), and sum and difference of the two tell them apart.
+//! The envelope is the magnitude of the analytic signal, that is, of the correlation with the analytic signal of the
+//! transmitted period. Two real signals x and y share one transform, as x + i y: the correlation with the analytic
+//! replica a is c_x + i c_y and that with the conjugate of a is conj(c_x) + i conj(c_y); sum and difference separate
+//! the two.
 
 use std::sync::Arc;
 
@@ -16,7 +17,7 @@ use rustfft::{Fft, FftPlanner};
 use super::spectrum::{fast_length, multiply};
 use crate::simd::vectorized;
 
-/// The transforms of one transmitted period, planned once.
+/// A plan of the correlation with one transmitted period.
 pub(crate) struct MatchedFilter {
     period: usize,
     lags: usize,
@@ -41,8 +42,8 @@ impl MatchedFilterScratch {
 }
 
 impl MatchedFilter {
-    /// Plans the correlation with `transmitted` over the first `lags` lags (at most a period of them). Signals are sums over
-    /// `periods` periods.
+    /// Plans the correlation with `transmitted` over the first `lags` lags (at most one period). Signals are sums
+    /// over `periods` periods.
     pub(crate) fn new(transmitted: &[f64], periods: usize, lags: usize) -> Self {
         let period = transmitted.len();
         let length = fast_length(period + lags.saturating_sub(1));
@@ -84,7 +85,7 @@ impl MatchedFilter {
         }
     }
 
-    /// Correlates two signals of one period each, for [`Self::envelopes`]: linear in the signals.
+    /// Correlates two signals of one period each; linear in the signals. [`Self::envelopes`] reads the result.
     pub(crate) fn correlate(&self, signals: &[Vec<f32>; 2], scratch: &mut MatchedFilterScratch) {
         let MatchedFilterScratch {
             joint,
@@ -147,7 +148,8 @@ fn magnitudes(with: Complex<f32>, against: Complex<f32>) -> [f32; 2] {
     [with + against, with - against].map(|value| value.norm_sqr().sqrt())
 }
 
-/// Analytic signal of a periodic signal. The mean and the line at half the sample rate carry no envelope and are left out.
+/// Analytic signal of a periodic signal. The mean and the line at half the sample rate carry no envelope and are left
+/// out.
 fn analytic(signal: &[f64]) -> Vec<Complex<f64>> {
     let period = signal.len();
     let mut planner = FftPlanner::new();

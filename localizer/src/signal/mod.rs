@@ -1,4 +1,4 @@
-//! Signals: what is sent, its time scaling, its matched filter, and the direct wave (section II-A, eqs. (1) and (2)).
+//! Signals: transmitted waveform, time scaling, matched filter, direct wave (section II-A, eqs. (1) and (2)).
 
 pub mod direct_wave;
 pub(crate) mod matched_filter;

@@ -17,7 +17,7 @@ pub(crate) fn multiply(
     });
 }
 
-/// The smallest 2^a 3^b 5^c with a >= 6 that is not below `length`: quick to transform.
+/// The smallest 2^a 3^b 5^c with a >= 6 that is not below `length`, for fast transforms.
 pub(crate) fn fast_length(length: usize) -> usize {
     let mut best = length.next_power_of_two().max(64);
     let mut fives = 64;

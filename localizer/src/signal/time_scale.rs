@@ -1,10 +1,11 @@
-//! Resampling of a block at many ratios by one windowed sinc, eq. (2).
+//! Time scaling of a block at many ratios by one windowed sinc, eq. (2).
 //!
-//! The value of a band-limited signal at the position `n + u`, `|u| <= 1/2`, is a sum of samples around n, weighted by
-//! h(u - m). As a function of u each weight is a smooth curve, so a polynomial of degree 7 reproduces it:
-//! h(u - m) = sum_p a_p(m) u^p. The filters a_p do not depend on the ratio. A block is therefore filtered eight times
-//! (by one FFT, four complex inverse ones), after which every ratio costs eight multiplications a sample however long
-//! the sinc is. The long sinc is what keeps the error below -60 dB up to 19 of 20 kHz.
+//! The value of a band-limited signal at the position `n + u`, `|u| <= 1/2`, is a sum of samples around n, weighted
+//! by h(u - m). As a function of u each weight is smooth, and a polynomial of degree 7 approximates it: h(u - m) =
+//! sum_p a_p(m) u^p (a Farrow structure). The filters a_p do not depend on the ratio. A block is therefore filtered
+//! eight times (one forward FFT, four complex inverse ones), after which every ratio costs eight multiplications a
+//! sample, however long the sinc is. The sinc is long enough for an error below -60 dB up to 0.475 of the sample
+//! rate.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -24,7 +25,7 @@ pub const HALF_WIDTH: usize = 64;
 /// Shape of the Kaiser window: side lobes below -80 dB.
 const KAISER_BETA: f64 = 8.0;
 
-/// Outputs beyond the ends of the block are kept this far, where the block's tapering sinc still rings.
+/// Outputs kept beyond the ends of the block, where the tapering sinc is not yet zero.
 const MARGIN: usize = 64;
 
 /// Windowed-sinc weight at a distance of `x` samples.
@@ -52,17 +53,18 @@ fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
-/// The filters of one block length, planned once.
+/// A plan of the filters for one block length.
 pub struct TimeScaler {
     block_length: usize,
     transform_length: usize,
     forward: Arc<dyn Fft<f32>>,
     inverse: Arc<dyn Fft<f32>>,
-    /// Spectra a_p + i a_(p+1) of two filters each, so that one complex inverse transform yields two real signals.
+    /// Spectra a_p + i a_(p+1) of two filters each: one complex inverse transform gives two real signals.
     pairs: Vec<Vec<Complex<f32>>>,
 }
 
-/// A filtered block: what [`TimeScaler::prepare`] leaves for [`TimeScaler::fold`]. Owned by the caller and reused.
+/// A filtered block: written by [`TimeScaler::prepare`], read by [`TimeScaler::fold`]. Owned by the caller and
+/// reused.
 pub struct Branches {
     spectrum: Vec<Complex<f32>>,
     product: Vec<Complex<f32>>,
@@ -104,7 +106,7 @@ impl TimeScaler {
         }
     }
 
-    /// Room for one filtered block.
+    /// Buffers for one filtered block.
     pub fn branches(&self) -> Branches {
         let zero = Complex::new(0.0, 0.0);
         let work = self
@@ -119,7 +121,8 @@ impl TimeScaler {
         }
     }
 
-    /// Filters a block, zero beyond its ends, for [`Self::fold`]. Missing samples count as zero, surplus ones are ignored.
+    /// Filters a block, zero beyond its ends, for [`Self::fold`]. Missing samples count as zero, surplus ones are
+    /// ignored.
     pub fn prepare(&self, block: &[f32], branches: &mut Branches) {
         let zero = Complex::new(0.0, 0.0);
         branches.spectrum.fill(zero);
@@ -149,8 +152,9 @@ impl TimeScaler {
         }
     }
 
-    /// Resamples the prepared block at the ratio `1 + excess` about the position `origin` (in samples), eq. (2), and adds
-    /// its periods up: `folded[k]` becomes the sum over the periods j of the block at `origin + (1 + excess) (j L_s + k - origin)`.
+    /// Resamples the prepared block at the ratio `1 + excess` about the position `origin` (in samples), eq. (2), and
+    /// adds up its periods: `folded[k]` becomes the sum over the periods j of the block at `origin + (1 + excess) (j
+    /// L_s + k - origin)`.
     ///
     /// Positions beyond the block read zero.
     pub fn fold(&self, branches: &Branches, origin: f64, excess: f64, folded: &mut [f32]) {

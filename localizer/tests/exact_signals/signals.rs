@@ -115,7 +115,8 @@ pub(crate) fn room() -> Vec<Wall> {
         .into()
 }
 
-/// The recording of a drive among plane walls: one exact retarded echo of each, and a direct wave of the given amplitude.
+/// The recording of a drive among plane walls: one exact retarded echo of each, and a direct wave of the given
+/// amplitude.
 ///
 /// The odometry is the true one plus `drift_radps`.
 pub(crate) fn record(

@@ -1,21 +1,50 @@
 //! Self-localization of a moving robot by the Doppler-resolved echoes of one loudspeaker and one microphone.
 //!
-//! The loudspeaker repeats a phase-modulated M-sequence; the robot drives; walls echo. Every echo is time-scaled by a
-//! factor that tells the angle between the heading and the wall it came from (the ambiguity between left and right
-//! stays), and its delay tells the distance. The stages follow the paper, section II of Jispin et al., 2024:
+//! The loudspeaker repeats a phase-modulated M-sequence; the robot drives; walls echo. The time scaling of an echo
+//! depends on the angle between the heading and the direction of the wall (left and right remain ambiguous), its
+//! delay on the distance. The stages follow section II of Jispin et al., 2024:
 //!
 //! | stage | equations | module |
 //! |---|---|---|
-//! | transmit signal | II-A | [`signal::waveform`] |
-//! | Doppler bank: resample, fold, correlate, envelope | (1)-(3) | [`echo::doppler_bank`] |
+//! | transmitted signal | II-A | [`signal::waveform`] |
+//! | removal of the direct wave | II-A | [`signal::direct_wave`] |
+//! | time scaling | (2) | [`signal::time_scale`] |
+//! | matched filter and envelope | (1) | `signal::matched_filter` |
+//! | Doppler bank: all of these for every direction | (1)-(3) | [`echo::doppler_bank`] |
 //! | echo image around the robot | (4)-(6), (14)-(16) | [`image::echo_image`] |
 //! | map image | (7) | [`image::map_image`] |
 //! | motion model | (8) | [`filter::motion_model`] |
-//! | likelihood | (9)-(13) | [`likelihood::mutual_information`] |
+//! | likelihood | (9)-(14) | [`likelihood::mutual_information`] |
 //! | particle filter | (8), (17), (18) | [`filter::particle_filter`] |
+//! | resampling | | [`filter::resampling`] |
+//!
+//! [`mod@reference`] holds the same equations without shortcuts, as the oracle of the tests. [`multipath`] and
+//! [`beacons`] are the methods of two papers of 2021.
 //!
 //! Two entries share the same code and give the same result: [`Localizer::step`] takes one period of samples at a time,
 //! [`echo::measure`] followed by [`offline::localize`] takes a whole [`Recording`].
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! use localizer::image::map_image;
+//! use localizer::{Parameters, Recording, echo, offline};
+//!
+//! let mapping = Recording::read(Path::new("../examples/site_robot/mapping"))?;
+//! let parameters = Parameters::default().for_recording(&mapping.meta);
+//! let echoes = echo::measure(&mapping, &parameters)?;
+//! let truth = mapping.truth.as_ref().ok_or("no truth.tum")?;
+//! let map = map_image::build(&[(&echoes, &echoes.poses(truth))])?;
+//!
+//! let drive = Recording::read(Path::new("../examples/site_robot/drive"))?;
+//! let echoes = echo::measure(&drive, &parameters)?;
+//! let estimates = offline::localize(&echoes, &map, &parameters, drive.start_pose(), 1)?;
+//! let truth = drive.truth.as_ref().ok_or("no truth.tum")?;
+//! for (estimate, pose) in estimates.iter().zip(echoes.poses(truth)) {
+//!     assert!(estimate.pose.distance_m(&pose) < 0.1);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! Conventions: SI units, radians; x right, y up, headings counter-clockwise from +x; arrays are `[iy, ix]`; angles of
 //! arrival are measured from the heading, 0 to pi; time 0 is the first sample of the first period.

@@ -11,6 +11,30 @@ use crate::parameters::{DirectWave, Parameters};
 use crate::pose::Pose;
 
 /// Follows a robot in a known map, period by period.
+///
+/// ```
+/// use std::path::Path;
+///
+/// use localizer::image::map_image;
+/// use localizer::{Localizer, Parameters, Recording, echo};
+///
+/// let mapping = Recording::read(Path::new("../examples/site_robot/mapping"))?;
+/// let parameters = Parameters::default().for_recording(&mapping.meta);
+/// let echoes = echo::measure(&mapping, &parameters)?;
+/// let truth = mapping.truth.as_ref().ok_or("no truth.tum")?;
+/// let map = map_image::build(&[(&echoes, &echoes.poses(truth))])?;
+///
+/// let drive = Recording::read(Path::new("../examples/site_robot/drive"))?;
+/// let mut localizer = Localizer::new(&parameters, map, drive.start_pose(), 1)?;
+/// let period = parameters.samples_per_period();
+/// let odometry = drive.odometry_per_period(parameters.period_s(), 10);
+/// for (samples, &odometry) in drive.signal.chunks_exact(period).zip(&odometry) {
+///     if let Some(estimate) = localizer.step(samples, odometry)? {
+///         println!("{:.2} s: {:?}", estimate.t_s, estimate.pose);
+///     }
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Localizer {
     parameters: Parameters,
     buffer: BlockBuffer,

@@ -3,6 +3,15 @@
 use crate::pose::{Pose, wrap_angle};
 
 /// Poses at increasing times.
+///
+/// ```
+/// use localizer::Trajectory;
+///
+/// let text = "0.0 1.0 2.0 0 0 0 0 1\n1.0 2.0 2.0 0 0 0 0 1\n";
+/// let trajectory = Trajectory::from_tum(text, "text")?;
+/// assert_eq!(trajectory.pose_at(0.5).map(|pose| pose.x_m), Some(1.5));
+/// # Ok::<(), localizer::Error>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trajectory {
     /// Times in seconds, increasing.

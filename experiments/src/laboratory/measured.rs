@@ -80,3 +80,21 @@ pub fn measurement_of(parameters: &Parameters, base: &Parameters) -> Parameters 
         ..parameters.clone()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use localizer::{Method, Resampling};
+
+    #[test]
+    fn trials_that_differ_in_the_filter_alone_share_their_measurement() {
+        let base = Parameters::default();
+        let mut trial = base.clone();
+        trial.filter.method = Method::ToaOnly;
+        trial.filter.resampling = Resampling::Multinomial;
+        assert_eq!(measurement_of(&trial, &base), base);
+        trial.measurement.periods = 3;
+        assert_ne!(measurement_of(&trial, &base), base);
+        assert_eq!(measurement_of(&trial, &base).measurement, trial.measurement);
+    }
+}

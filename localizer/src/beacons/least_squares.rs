@@ -6,7 +6,7 @@ use crate::error::Error;
 /// Steps after which the search gives up.
 const STEPS: usize = 100;
 
-/// A position and how sure it is.
+/// A position with its covariance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fix {
     /// Position `[x, y]`, metres.

@@ -6,6 +6,16 @@ use crate::error::Error;
 const FLAT: f64 = 1e-6;
 
 /// Receivers at known positions, at least three of them and not all in line.
+///
+/// ```
+/// use localizer::beacons::Beacons;
+///
+/// let beacons = Beacons::new(&[[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])?;
+/// let ranges_m = [5.0, 3.0, 4.0];
+/// let fix = beacons.least_squares(&ranges_m, 0.01)?;
+/// assert!((fix.position_m[0] - 4.0).abs() < 1e-6 && (fix.position_m[1] - 3.0).abs() < 1e-6);
+/// # Ok::<(), localizer::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Beacons {
     pub(super) positions_m: Vec<[f64; 2]>,

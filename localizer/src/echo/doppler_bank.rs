@@ -18,6 +18,25 @@ use crate::signal::time_scale::{Branches, TimeScaler};
 use crate::signal::waveform::transmit_period;
 
 /// A plan of eqs. (1)-(3) for one set of parameters.
+///
+/// ```
+/// use localizer::Parameters;
+/// use localizer::echo::DopplerBank;
+/// use localizer::signal::waveform::transmit_period;
+///
+/// // A robot at rest and an echo 100 samples late.
+/// let parameters = Parameters::default();
+/// let period = transmit_period(&parameters.signal);
+/// let bank = DopplerBank::new(&parameters)?;
+/// let block: Vec<f32> = (0..bank.block_length())
+///     .map(|k| period[(k + period.len() - 100) % period.len()] as f32)
+///     .collect();
+/// let mut intensity = bank.intensity();
+/// bank.measure(&block, 0.0, &mut bank.scratch(), &mut intensity);
+/// assert!((intensity[[0, 100]] - 1.0).abs() < 0.1);
+/// assert!(intensity[[0, 200]] < 0.1);
+/// # Ok::<(), localizer::Error>(())
+/// ```
 pub struct DopplerBank {
     period: usize,
     block_length: usize,

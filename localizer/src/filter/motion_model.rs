@@ -10,6 +10,15 @@ use crate::trajectory::Trajectory;
 ///
 /// `Euler` is eq. (8) as printed; `Midpoint` moves along the heading in the middle of the step, which removes the
 /// half step by which the printed form lags behind in a turn.
+///
+/// ```
+/// use localizer::filter::motion_model::advance;
+/// use localizer::{Integration, Odometry, Pose};
+///
+/// let odometry = Odometry { v_mps: 0.5, omega_radps: 0.0 };
+/// let pose = advance(&Pose::default(), odometry, 2.0, Integration::Midpoint);
+/// assert_eq!((pose.x_m, pose.y_m), (1.0, 0.0));
+/// ```
 pub fn advance(pose: &Pose, odometry: Odometry, duration_s: f64, integration: Integration) -> Pose {
     let turn_rad = odometry.omega_radps * duration_s;
     let course_rad = match integration {

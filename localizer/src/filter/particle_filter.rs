@@ -16,6 +16,25 @@ use crate::pose::{Pose, wrap_angle};
 use crate::random;
 
 /// Weighted candidates of the pose.
+///
+/// ```
+/// use localizer::filter::particle_filter::ParticleFilter;
+/// use localizer::{Odometry, Parameters, Pose};
+///
+/// let mut parameters = Parameters::default();
+/// parameters.filter.start_sigma_m = 0.2;
+/// let mut filter = ParticleFilter::new(&parameters, Pose::default(), 1);
+/// filter.predict(Odometry { v_mps: 1.0, omega_radps: 0.0 }, 1.0);
+/// // A likelihood that favours x = 1.1 m.
+/// let likelihoods: Vec<f64> = filter
+///     .particles()
+///     .iter()
+///     .map(|pose| (-((pose.x_m - 1.1) / 0.05).powi(2)).exp())
+///     .collect();
+/// filter.weigh_by(&likelihoods);
+/// assert!((filter.expectation().pose.x_m - 1.1).abs() < 0.05);
+/// filter.resample();
+/// ```
 pub struct ParticleFilter {
     parameters: Parameters,
     particles: Vec<Pose>,

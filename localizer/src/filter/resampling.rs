@@ -5,6 +5,14 @@
 ///
 /// `weights` add up to 1; `offset` in [0, 1) places the comb. Each particle is drawn as often as its weight times the
 /// number of new particles, rounded up or down, and exactly that often on average over the offset.
+///
+/// ```
+/// use localizer::filter::resampling::systematic;
+///
+/// let mut parents = [0; 4];
+/// systematic(&[0.5, 0.0, 0.25, 0.25], 0.5, &mut parents);
+/// assert_eq!(parents, [0, 0, 2, 3]);
+/// ```
 pub fn systematic(weights: &[f64], offset: f64, parents: &mut [usize]) {
     let step = 1.0 / parents.len().max(1) as f64;
     let last = weights.len().saturating_sub(1);

@@ -10,6 +10,21 @@ use crate::parameters::Parameters;
 
 /// The pixels of a square window around the robot. Images are slices with one value per pixel, in the order of
 /// [`Self::offsets`].
+///
+/// ```
+/// use localizer::Parameters;
+/// use localizer::image::ImageWindow;
+/// use ndarray::Array2;
+///
+/// // An echo from 1 m straight ahead of a robot with heading 0.
+/// let parameters = Parameters::default();
+/// let mut polar = Array2::zeros((parameters.measurement.directions + 1, parameters.delays()));
+/// polar[[0, parameters.signal.delay_of_range(1.0)]] = 5.0;
+/// let window = ImageWindow::new(&parameters, 12);
+/// let mut image = vec![0.0; window.len()];
+/// window.draw(polar.view(), 0.0, &mut image);
+/// assert_eq!(window.to_array(&image)[[12, 22]], 5.0);
+/// ```
 #[derive(Debug, Clone)]
 pub struct ImageWindow {
     half_cells: usize,

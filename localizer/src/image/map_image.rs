@@ -14,6 +14,33 @@ const MOST_CELLS: i64 = 1 << 28;
 /// A map image and its range-only counterpart on the world's cell grid.
 ///
 /// Cell `[iy, ix]` has its centre at `((origin_cell[0] + ix) cell_m, (origin_cell[1] + iy) cell_m)`.
+///
+/// ```
+/// use localizer::image::map_image;
+/// use localizer::{EchoBlock, EchoSequence, Odometry, Parameters, Pose};
+/// use ndarray::Array2;
+///
+/// // One block with an echo from 1 m ahead of a robot at the origin.
+/// let parameters = Parameters::default();
+/// let delays = parameters.delays();
+/// let mut intensity = Array2::zeros((parameters.measurement.directions + 1, delays));
+/// intensity[[0, parameters.signal.delay_of_range(1.0)]] = 5.0;
+/// let block = EchoBlock {
+///     index: 0,
+///     t_s: 0.3,
+///     odometry: Odometry::default(),
+///     stationary: false,
+///     intensity,
+///     toa_intensity: vec![0.0; delays],
+/// };
+/// let echoes = EchoSequence { parameters, blocks: vec![block], odometry: Vec::new() };
+/// let map = map_image::build(&[(&echoes, &[Pose::default()])])?;
+/// let [x, y] = [10, 0].map(i64::from);
+/// let column = (x - map.origin_cell[0]) as usize;
+/// let row = (y - map.origin_cell[1]) as usize;
+/// assert_eq!(map.intensity[[row, column]], 5.0);
+/// # Ok::<(), localizer::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapImage {
     /// World cell number `[x, y]` of the first cell.

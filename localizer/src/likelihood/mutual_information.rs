@@ -10,6 +10,16 @@ use crate::simd::vectorized;
 const LANES: usize = 4;
 
 /// Mutual information of images of a fixed number of pixels and bins; nothing is allocated after [`Self::new`].
+///
+/// ```
+/// use localizer::likelihood::mutual_information::MutualInformation;
+///
+/// let image = [0, 0, 1, 1];
+/// let mut measure = MutualInformation::new(1, image.len());
+/// let marginal = measure.marginal(&image);
+/// assert!((measure.information(&image, &image, marginal) - 2_f64.ln()).abs() < 1e-12);
+/// assert_eq!(measure.information(&[0, 1, 0, 1], &image, marginal), 0.0);
+/// ```
 #[derive(Debug, Clone)]
 pub struct MutualInformation {
     /// Binary digits of one bin number.

@@ -15,6 +15,19 @@ pub enum Model {
 }
 
 /// All paths of a model, from the loudspeaker to the microphone above the robot's position.
+///
+/// ```
+/// use localizer::Pose;
+/// use localizer::multipath::planes::Plane;
+/// use localizer::multipath::prediction::{Model, Predictor};
+///
+/// // A wall at x = 4 m, loudspeaker and microphone at one height.
+/// let wall = Plane::new([1.0, 0.0, 0.0], -4.0).ok_or("no normal")?;
+/// let predictor = Predictor::new(&[wall], Model::Single, [0.3, 0.3], 340.0);
+/// let arrivals = predictor.predict(&Pose { x_m: 1.0, ..Pose::default() });
+/// assert!((arrivals[0].time_s - 6.0 / 340.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Predictor {
     paths: Vec<Path>,

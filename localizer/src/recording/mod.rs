@@ -14,6 +14,17 @@ use crate::pose::Pose;
 use crate::trajectory::Trajectory;
 
 /// Signal, odometry and, if known, truth of one drive.
+///
+/// ```
+/// use std::path::Path;
+///
+/// use localizer::Recording;
+///
+/// let recording = Recording::read(Path::new("../examples/site_robot/drive"))?;
+/// assert_eq!(recording.meta.sample_rate_hz, 50_000.0);
+/// assert!((recording.duration_s() - 5.2).abs() < 0.1);
+/// # Ok::<(), localizer::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// Microphone signal at f_s.

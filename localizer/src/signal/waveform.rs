@@ -28,6 +28,12 @@ const TAPS: [&[u32]; 17] = [
 /// One period of an M-sequence of 2^order - 1 chips of +1 and -1, starting from the register of all ones.
 ///
 /// Empty for an order outside 2 to 18.
+///
+/// ```
+/// use localizer::signal::waveform::m_sequence;
+///
+/// assert_eq!(m_sequence(3), [1, 1, 1, -1, 1, -1, -1]);
+/// ```
 pub fn m_sequence(order: u32) -> Vec<i8> {
     let Some(taps) = order
         .checked_sub(2)
@@ -54,6 +60,14 @@ pub fn m_sequence(order: u32) -> Vec<i8> {
 ///
 /// Both chips and carrier start at sample 0, so a signal that repeats this slice is periodic in L T_c whenever the
 /// carrier makes a whole number of cycles in it. Empty for a code length that is no 2^n - 1 with n from 2 to 18.
+///
+/// ```
+/// use localizer::parameters::SignalParameters;
+/// use localizer::signal::waveform::transmit_period;
+///
+/// let signal = SignalParameters::default();
+/// assert_eq!(transmit_period(&signal).len(), signal.samples_per_period());
+/// ```
 pub fn transmit_period(signal: &SignalParameters) -> Vec<f64> {
     let code = signal.code_order().map(m_sequence).unwrap_or_default();
     if code.is_empty() {

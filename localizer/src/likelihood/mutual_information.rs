@@ -1,8 +1,9 @@
 //! Mutual information of two quantized images, eqs. (9)-(14).
 //!
-//! With counts n of N pixels, eq. (9) is exactly `(sum n ln n (joint) - sum n ln n (first) - sum n ln n (second)) / N
-//! + ln N`. n ln n comes from a table of fixed-point numbers, so that sums are exact: they do not depend on the
-//! order, and can be updated when single pixels change.
+//! With counts n of N pixels, eq. (9) is exactly
+//! `(sum n ln n (joint) - sum n ln n (first) - sum n ln n (second)) / N + ln N`. The terms n ln n come from a table of
+//! fixed-point numbers, so that sums are exact: they do not depend on the order, and can be updated when single pixels
+//! change.
 
 use crate::simd::vectorized;
 

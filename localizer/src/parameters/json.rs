@@ -237,7 +237,7 @@ pub(crate) fn each_field_changed(base: &Parameters) -> Vec<(String, Parameters)>
         ("resampling", _) => json!("multinomial"),
         ("sensor_offset_m", _) => json!([0.1, 0.2]),
         (_, Value::Number(number)) if number.is_u64() => json!(number.as_u64().map(|n| n + 1)),
-        (_, Value::Number(number)) => json!(number.as_f64().map(|x| 0.9 * x + 0.01)),
+        (_, Value::Number(number)) => json!(number.as_f64().map(|x| 0.9 * x + 0.003)),
         _ => panic!("{name} needs another value here"),
     };
     let fields: Map<String, Value> = serde_json::from_value(json!(base)).unwrap();

@@ -32,7 +32,7 @@ const TAPS: [&[u32]; 17] = [
 /// ```
 /// use localizer::signal::waveform::m_sequence;
 ///
-/// assert_eq!(m_sequence(3), [1, 1, 1, -1, 1, -1, -1]);
+/// assert_eq!(m_sequence(3), [1, 1, 1, -1, -1, 1, -1]);
 /// ```
 pub fn m_sequence(order: u32) -> Vec<i8> {
     let Some(taps) = order

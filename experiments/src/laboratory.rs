@@ -97,11 +97,9 @@ impl Laboratory {
     fn with(request: &Request, plan: Plan, results: PathBuf) -> Result<Self> {
         let scene = Arc::new(Scene::load(&plan.scene)?);
         let robot = plan.robot.as_deref().map(Robot::read).transpose()?;
-        let parameters = Parameters {
-            window_half_width_m: plan.half_width_m,
-            periods: plan.periods,
-            ..simulate::parameters_of(&scene, &request.parameters)
-        };
+        let mut parameters = simulate::parameters_of(&scene, &request.parameters);
+        parameters.measurement.periods = plan.periods;
+        parameters.filter.window_half_width_m = plan.half_width_m;
         parameters.check()?;
         Ok(Self {
             preset: request.preset,
@@ -157,7 +155,7 @@ impl Laboratory {
     pub fn takes(&self, scheme: Option<Scheme>) -> Vec<Take> {
         let walls = ["mapping", "localization"].map(|path| self.take(path, scheme));
         let mut takes = walls.to_vec();
-        if self.parameters.direct_wave == DirectWave::FreeField {
+        if self.parameters.measurement.direct_wave == DirectWave::FreeField {
             takes.extend(walls.iter().map(|take| self.direct_take(take)));
         }
         takes
@@ -256,7 +254,7 @@ impl Laboratory {
             Recording::read(&folder).with_context(|| format!("recording of {}", self.label(take)))
         };
         let mut recording = read(take)?;
-        if with_direct || self.parameters.direct_wave == DirectWave::FreeField {
+        if with_direct || self.parameters.measurement.direct_wave == DirectWave::FreeField {
             let direct = read(&self.direct_take(take))?.signal;
             recording.direct = Some(match self.scene.paths.contains_key(ANECHOIC) {
                 true => repeated(&direct, &self.parameters, recording.signal.len())?,

@@ -9,8 +9,10 @@ use fdtd::image_source::room::{Room, RoomPair, synthesize};
 use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState};
 use fdtd::waveform::PeriodicWaveform;
 use localizer::multipath::planes::Plane;
+use localizer::odometry::OdometrySample;
+use localizer::parameters::MeasurementParameters;
 use localizer::random::{stream, trial_seed};
-use localizer::recording::{OdometrySample, RecordingMeta};
+use localizer::recording::RecordingMeta;
 use localizer::{DirectWave, Parameters, Pose, Recording, Trajectory};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -109,10 +111,10 @@ fn sounds(
     parameters: &Parameters,
 ) -> Result<[Vec<f32>; 2]> {
     let waveform = PeriodicWaveform::new(
-        &localizer::waveform::transmit_period(parameters),
+        &localizer::signal::waveform::transmit_period(&parameters.signal),
         parameters.period_s(),
         19e3,
-        parameters.sample_rate_hz,
+        parameters.signal.sample_rate_hz,
     );
     let at = |t_s: f64, height_m: f64| {
         let [x, y] = drive.point_at(t_s, [0.0, 0.0]);
@@ -131,7 +133,10 @@ fn sounds(
                 fade_m: 0.05,
                 stamped: false,
             };
-            let (c_mps, rate_hz) = (parameters.speed_of_sound_mps, parameters.sample_rate_hz);
+            let (c_mps, rate_hz) = (
+                parameters.signal.speed_of_sound_mps,
+                parameters.signal.sample_rate_hz,
+            );
             synthesize(room, &pair, &waveform, c_mps, rate_hz, &options)
         })
     };
@@ -173,12 +178,15 @@ impl Site {
             .collect::<Option<Vec<Plane>>>()
             .context("room: a face has no direction")?;
         let parameters = Parameters {
-            periods: 2,
-            directions: 12,
-            // Direct wave and floor echo, 0.1 m and 0.7 m long, do not change along the drive.
-            direct_wave: DirectWave::GatedMean,
-            min_range_m: 0.75,
-            max_range_m: 17.0,
+            measurement: MeasurementParameters {
+                periods: 2,
+                directions: 12,
+                // Direct wave and floor echo, 0.1 m and 0.7 m long, do not change along the drive.
+                direct_wave: DirectWave::GatedMean,
+                min_range_m: 0.75,
+                max_range_m: 17.0,
+                ..MeasurementParameters::default()
+            },
             ..Parameters::default()
         };
         let drive = drive()?;

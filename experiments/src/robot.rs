@@ -15,8 +15,9 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use fdtd::motion::DrivePath;
+use localizer::Recording;
+use localizer::odometry::OdometrySample;
 use localizer::random;
-use localizer::recording::{OdometrySample, Recording};
 use localizer::{Pose, Trajectory};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};

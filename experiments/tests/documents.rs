@@ -202,3 +202,23 @@ fn the_command_line_is_current() {
         "docs/reference/command-line.md is not what the program says: make reference"
     );
 }
+
+/// Source files named in backticks with their path from the workspace's folder.
+#[test]
+fn source_files_that_documents_name_exist() {
+    let mut missing = Vec::new();
+    for file in documents() {
+        for (line, text) in prose(&read(&file)) {
+            for name in text.split('`').skip(1).step_by(2) {
+                let of_source = ["fdtd/src/", "localizer/src/", "experiments/src/"];
+                if of_source.iter().any(|start| name.starts_with(start))
+                    && !name.contains(['{', '*', ':'])
+                    && !root().join(name).exists()
+                {
+                    missing.push(format!("{}:{line}: {name}", file.display()));
+                }
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+}

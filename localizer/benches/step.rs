@@ -3,9 +3,10 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use localizer::doppler::DopplerBank;
-use localizer::map_image::{self, MapImage};
-use localizer::particle_filter::ParticleFilter;
+use localizer::echo::DopplerBank;
+use localizer::filter::particle_filter::ParticleFilter;
+use localizer::image::map_image::{self, MapImage};
+use localizer::parameters::FilterParameters;
 use localizer::{EchoBlock, EchoSequence, Method, Odometry, Parameters, Pose};
 
 /// A signal without structure; the time does not depend on it.
@@ -65,7 +66,10 @@ fn step(criterion: &mut Criterion) {
     };
     for half_width_m in [2.0, 4.0, 6.0] {
         let parameters = Parameters {
-            window_half_width_m: half_width_m,
+            filter: FilterParameters {
+                window_half_width_m: half_width_m,
+                ..parameters.filter
+            },
             ..parameters.clone()
         };
         let mut filter = ParticleFilter::new(&parameters, Pose::default(), 1);

@@ -1,8 +1,8 @@
-//! The error type of the library: every message names the file or field, what is wrong, and what would be accepted.
+//! The error type of the library: every message names the file or field, the problem, and the values accepted.
 
 use std::path::PathBuf;
 
-/// What can go wrong between a recording folder and a pose.
+/// Errors between a recording folder and a pose.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -11,7 +11,7 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A field of an input has a value that cannot be used.
@@ -21,15 +21,15 @@ pub enum Error {
         origin: String,
         /// Path of the field, e.g. `line 12` or `sample_rate_hz`.
         field: String,
-        /// What is wrong with it.
+        /// The problem with it.
         problem: String,
-        /// What would be accepted.
+        /// The values that would be accepted.
         remedy: String,
     },
     /// Receivers and ranges that do not determine a position.
     #[error("geometry: {problem}; move a receiver, or measure again")]
     Degenerate {
-        /// What is degenerate.
+        /// The degenerate part of the geometry.
         problem: String,
     },
 }

@@ -1,68 +1,84 @@
 //! Self-localization of a moving robot by the Doppler-resolved echoes of one loudspeaker and one microphone.
 //!
-//! The loudspeaker repeats a phase-modulated M-sequence; the robot drives; walls echo. Every echo is time-scaled by a
-//! factor that tells the angle between the heading and the wall it came from (the ambiguity between left and right
-//! stays), and its delay tells the distance. The stages follow the paper, section II of Jispin et al., 2024:
+//! The loudspeaker repeats a phase-modulated M-sequence; the robot drives; walls echo. The time scaling of an echo
+//! depends on the angle between the heading and the direction of the wall (left and right remain ambiguous), its
+//! delay on the distance. The stages follow section II of Jispin et al., 2024:
 //!
 //! | stage | equations | module |
 //! |---|---|---|
-//! | transmit signal | II-A | [`waveform`] |
-//! | Doppler bank: resample, fold, correlate, envelope | (1)-(3) | [`doppler`] |
-//! | echo image around the robot | (4)-(6), (14)-(16) | [`echo_image`] |
-//! | map image | (7) | [`map_image`] |
-//! | motion model | (8) | [`dead_reckoning`] |
-//! | likelihood | (9)-(13) | [`mutual_information`] |
-//! | particle filter | (8), (17), (18) | [`particle_filter`] |
+//! | transmitted signal | II-A | [`signal::waveform`] |
+//! | removal of the direct wave | II-A | [`signal::direct_wave`] |
+//! | time scaling | (2) | [`signal::time_scale`] |
+//! | matched filter and envelope | (1) | `signal::matched_filter` |
+//! | Doppler bank: all of these for every direction | (1)-(3) | [`echo::doppler_bank`] |
+//! | echo image around the robot | (4)-(6), (14)-(16) | [`image::echo_image`] |
+//! | map image | (7) | [`image::map_image`] |
+//! | motion model | (8) | [`filter::motion_model`] |
+//! | likelihood | (9)-(14) | [`likelihood::mutual_information`] |
+//! | particle filter | (8), (17), (18) | [`filter::particle_filter`] |
+//! | resampling | | [`filter::resampling`] |
+//!
+//! [`mod@reference`] holds the same equations without shortcuts, as the oracle of the tests. [`multipath`] and
+//! [`beacons`] are the methods of two papers of 2021.
 //!
 //! Two entries share the same code and give the same result: [`Localizer::step`] takes one period of samples at a time,
-//! [`echoes::measure`] followed by [`offline::localize`] takes a whole [`Recording`].
+//! [`echo::measure`] followed by [`offline::localize`] takes a whole [`Recording`].
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! use localizer::image::map_image;
+//! use localizer::{Parameters, Recording, echo, offline};
+//!
+//! let mapping = Recording::read(Path::new("../examples/site_robot/mapping"))?;
+//! let parameters = Parameters::default().for_recording(&mapping.meta);
+//! let echoes = echo::measure(&mapping, &parameters)?;
+//! let truth = mapping.truth.as_ref().ok_or("no truth.tum")?;
+//! let map = map_image::build(&[(&echoes, &echoes.poses(truth))])?;
+//!
+//! let drive = Recording::read(Path::new("../examples/site_robot/drive"))?;
+//! let echoes = echo::measure(&drive, &parameters)?;
+//! let estimates = offline::localize(&echoes, &map, &parameters, drive.start_pose(), 1)?;
+//! let truth = drive.truth.as_ref().ok_or("no truth.tum")?;
+//! for (estimate, pose) in estimates.iter().zip(echoes.poses(truth)) {
+//!     assert!(estimate.pose.distance_m(&pose) < 0.1);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! Conventions: SI units, radians; x right, y up, headings counter-clockwise from +x; arrays are `[iy, ix]`; angles of
 //! arrival are measured from the heading, 0 to pi; time 0 is the first sample of the first period.
 
 pub mod beacons;
-mod bearings;
-mod blocks;
-mod correlation;
-mod crops;
-pub mod dead_reckoning;
-pub mod direct_wave;
-pub mod doppler;
-pub mod echo_image;
-pub mod echoes;
+pub mod echo;
 pub mod error;
-mod files;
+pub mod filter;
+mod fnv;
+pub mod image;
+pub mod io;
+pub mod likelihood;
 pub mod localizer;
-pub mod map_folder;
-pub mod map_image;
-mod matcher;
 pub mod multipath;
-pub mod mutual_information;
-pub mod noisy;
+pub mod odometry;
 pub mod offline;
 pub mod parameters;
-pub mod particle_filter;
 pub mod pose;
 pub mod random;
-pub mod receiver;
 pub mod recording;
 pub mod reference;
-pub mod resample;
-pub mod resampling;
-mod sheets;
-pub mod tracker;
+pub mod signal;
+mod simd;
 pub mod trajectory;
-pub mod waveform;
-mod wide;
 
 pub use crate::localizer::Localizer;
-pub use echoes::{EchoBlock, EchoSequence};
+pub use echo::{EchoBlock, EchoSequence};
 pub use error::Error;
-pub use map_image::MapImage;
+pub use filter::tracker::Estimate;
+pub use image::MapImage;
+pub use odometry::Odometry;
 pub use parameters::{
-    DirectWave, Integration, Method, MotionModel, Parameters, Resampling, TimeReference, ToaImage,
+    DirectWave, Integration, Method, Parameters, Resampling, TimeReference, ToaImage,
 };
-pub use pose::{Odometry, Pose};
+pub use pose::Pose;
 pub use recording::Recording;
-pub use tracker::Estimate;
 pub use trajectory::Trajectory;

@@ -1,18 +1,43 @@
 //! The streaming localizer: one period of samples in, one pose out.
 
-use crate::doppler::{DopplerBank, DopplerScratch};
-use crate::echoes::EchoBlock;
+use crate::echo::block_buffer::BlockBuffer;
+use crate::echo::doppler_bank::{DopplerBank, DopplerScratch};
+use crate::echo::echo_blocks::EchoBlock;
 use crate::error::Error;
-use crate::map_image::MapImage;
+use crate::filter::tracker::{Estimate, Tracker};
+use crate::image::map_image::MapImage;
+use crate::odometry::Odometry;
 use crate::parameters::{DirectWave, Parameters};
-use crate::pose::{Odometry, Pose};
-use crate::receiver::Receiver;
-use crate::tracker::{Estimate, Tracker};
+use crate::pose::Pose;
 
 /// Follows a robot in a known map, period by period.
+///
+/// ```
+/// use std::path::Path;
+///
+/// use localizer::image::map_image;
+/// use localizer::{Localizer, Parameters, Recording, echo};
+///
+/// let mapping = Recording::read(Path::new("../examples/site_robot/mapping"))?;
+/// let parameters = Parameters::default().for_recording(&mapping.meta);
+/// let echoes = echo::measure(&mapping, &parameters)?;
+/// let truth = mapping.truth.as_ref().ok_or("no truth.tum")?;
+/// let map = map_image::build(&[(&echoes, &echoes.poses(truth))])?;
+///
+/// let drive = Recording::read(Path::new("../examples/site_robot/drive"))?;
+/// let mut localizer = Localizer::new(&parameters, map, drive.start_pose(), 1)?;
+/// let period = parameters.samples_per_period();
+/// let odometry = drive.odometry_per_period(parameters.period_s(), 10);
+/// for (samples, &odometry) in drive.signal.chunks_exact(period).zip(&odometry) {
+///     if let Some(estimate) = localizer.step(samples, odometry)? {
+///         println!("{:.2} s: {:?}", estimate.t_s, estimate.pose);
+///     }
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Localizer {
     parameters: Parameters,
-    receiver: Receiver,
+    buffer: BlockBuffer,
     bank: DopplerBank,
     scratch: DopplerScratch,
     block: EchoBlock,
@@ -34,7 +59,7 @@ impl Localizer {
     ) -> Result<Self, Error> {
         let bank = DopplerBank::new(parameters)?;
         map.check(parameters)?;
-        if parameters.direct_wave == DirectWave::FreeField {
+        if parameters.measurement.direct_wave == DirectWave::FreeField {
             let remedy =
                 "subtract the free field from the samples and choose keep, or choose running-mean";
             return Err(Error::invalid(
@@ -45,7 +70,7 @@ impl Localizer {
             ));
         }
         Ok(Self {
-            receiver: Receiver::new(parameters),
+            buffer: BlockBuffer::new(parameters),
             scratch: bank.scratch(),
             block: EchoBlock::empty(&bank),
             tracker: Tracker::new(parameters, start, seed)?,
@@ -60,20 +85,20 @@ impl Localizer {
     /// Returns `None` until M periods have come in, then one estimate a step.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for another number of samples than one period, samples or speeds that are not finite, or a speed
-    /// above a tenth of that of sound. The step then has not taken place.
+    /// [`Error::Invalid`] for another number of samples than one period, samples or speeds that are not finite, or a
+    /// speed above a tenth of that of sound. The step then has not taken place.
     pub fn step(&mut self, samples: &[f32], odometry: Odometry) -> Result<Option<Estimate>, Error> {
-        // Section II-A: a block of the last M periods, one period further than the block before.
-        self.receiver.push(samples, odometry)?;
-        let index = self.receiver.block_index();
-        let Some((received, recent)) = self.receiver.block() else {
+        // Section II-A: a block of the last M periods, one period later than the previous one.
+        self.buffer.push(samples, odometry)?;
+        let index = self.buffer.block_index();
+        let Some((received, recent)) = self.buffer.block() else {
             return Ok(None);
         };
         // Eqs. (1)-(3): resample for every direction, add up the periods, correlate, take the envelope.
         self.block.set_motion(
             &self.parameters,
             index,
-            &recent[recent.len() - self.parameters.periods..],
+            &recent[recent.len() - self.parameters.measurement.periods..],
         );
         self.bank.measure(
             received,
@@ -81,7 +106,7 @@ impl Localizer {
             &mut self.scratch,
             &mut self.block.intensity,
         );
-        self.block.set_toa(self.parameters.toa_image);
+        self.block.set_toa(self.parameters.measurement.toa_image);
         // Eqs. (8)-(18): move the particles, weigh them by the map, take their mean, draw the next ones.
         Ok(Some(self.tracker.update(&self.block, recent, &self.map)))
     }

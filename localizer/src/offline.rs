@@ -1,21 +1,22 @@
-//! Localization of a whole drive whose echoes are measured: the loop of the streaming localizer without its front end.
+//! Localization over a whole drive whose echoes are measured: the loop of the streaming localizer without its front
+//! end.
 
-use crate::echoes::EchoSequence;
+use crate::echo::echo_blocks::EchoSequence;
 use crate::error::Error;
-use crate::map_image::MapImage;
+use crate::filter::tracker::{Estimate, Tracker};
+use crate::image::map_image::MapImage;
 use crate::parameters::Parameters;
 use crate::pose::Pose;
-use crate::tracker::{Estimate, Tracker};
 use crate::trajectory::Trajectory;
 
 /// Estimates the pose at every block, with the result that [`crate::Localizer::step`] gives for the same samples.
 ///
-/// `parameters` may differ from those of the measurement in everything that the filter alone uses (method, window,
-/// particles, ranges up to the measured one, and so on).
+/// `parameters` may differ from those of the measurement in everything that the filter alone uses, and as
+/// [`MeasurementParameters::provides`](crate::parameters::MeasurementParameters::provides) says.
 ///
 /// # Errors
-/// [`Error::Invalid`] for parameters that cannot be used or need another measurement, a map with other cells, or a start
-/// that is not finite.
+/// [`Error::Invalid`] for parameters that cannot be used or need another measurement, a map with other cells, or a
+/// start that is not finite.
 pub fn localize(
     echoes: &EchoSequence,
     map: &MapImage,
@@ -58,33 +59,40 @@ pub fn trajectory(estimates: &[Estimate]) -> Trajectory {
 
 /// Refuses parameters under which the echoes would have been measured differently.
 fn check_measurement(measured: &Parameters, wanted: &Parameters) -> Result<(), Error> {
-    let of_measurement = |parameters: &Parameters| Parameters {
-        // What only maps and filters use:
-        method: measured.method,
-        cell_m: measured.cell_m,
-        window_half_width_m: measured.window_half_width_m,
-        particles: measured.particles,
-        sigma_v_mps: measured.sigma_v_mps,
-        sigma_omega_radps: measured.sigma_omega_radps,
-        bins: measured.bins,
-        min_range_m: measured.min_range_m,
-        integration: measured.integration,
-        likelihood_exponent: measured.likelihood_exponent,
-        resample_threshold: measured.resample_threshold,
-        start_sigma_m: measured.start_sigma_m,
-        start_sigma_rad: measured.start_sigma_rad,
-        // A shorter range is a part of the measured one.
-        max_range_m: parameters.max_range_m.max(measured.max_range_m),
-        ..parameters.clone()
-    };
-    if of_measurement(wanted) != *measured {
-        let problem = "the echoes were measured with other values of waveform, periods, directions or direct wave";
-        return Err(Error::invalid(
-            "parameters",
-            "measurement",
-            problem,
-            "measure the echoes with these parameters",
-        ));
+    if measured.signal == wanted.signal && measured.measurement.provides(&wanted.measurement) {
+        return Ok(());
     }
-    Ok(())
+    let problem = "the echoes were measured with other values of waveform, periods, directions or direct wave";
+    Err(Error::invalid(
+        "parameters",
+        "measurement",
+        problem,
+        "measure the echoes with these parameters",
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::each_field_changed;
+
+    #[test]
+    fn every_field_of_the_filter_may_differ_from_the_measurement_and_no_other_but_those_of_images()
+    {
+        let measured = Parameters::default();
+        for (name, wanted) in each_field_changed(&measured) {
+            let of_the_filter =
+                wanted.signal == measured.signal && wanted.measurement == measured.measurement;
+            assert_ne!(of_the_filter, wanted.filter == measured.filter, "{name}");
+            let of_images = ["cell_m", "min_range_m", "max_range_m"].contains(&name.as_str());
+            assert_eq!(
+                check_measurement(&measured, &wanted).is_ok(),
+                of_the_filter || of_images,
+                "{name}"
+            );
+        }
+        let mut farther = measured.clone();
+        farther.measurement.max_range_m += 0.1;
+        assert!(check_measurement(&measured, &farther).is_err());
+    }
 }

@@ -1,4 +1,4 @@
-//! Poses in the plane and the speeds that change them.
+//! Poses in the plane.
 
 use std::f64::consts::PI;
 
@@ -14,16 +14,6 @@ pub struct Pose {
     pub y_m: f64,
     /// Heading in radians, counter-clockwise from +x.
     pub heading_rad: f64,
-}
-
-/// Speeds of a two-wheel robot, as its wheel encoders tell them.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Odometry {
-    /// Speed along the heading in m/s, negative when reversing.
-    pub v_mps: f64,
-    /// Turning rate in rad/s, positive to the left.
-    pub omega_radps: f64,
 }
 
 impl Pose {

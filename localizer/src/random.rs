@@ -3,6 +3,8 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use crate::fnv::Fnv;
+
 /// Seed of one trial of one cell of an experiment.
 pub fn trial_seed(experiment: &str, cell: &str, trial: u64) -> u64 {
     let mut hash = Fnv::default();
@@ -21,23 +23,6 @@ pub fn stream(seed: u64, purpose: &str) -> ChaCha8Rng {
     hash.take(purpose.as_bytes());
     rng.set_stream(hash.0);
     rng
-}
-
-/// The 64-bit Fowler-Noll-Vo hash (FNV-1a).
-pub(crate) struct Fnv(pub(crate) u64);
-
-impl Default for Fnv {
-    fn default() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-}
-
-impl Fnv {
-    pub(crate) fn take(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The method written down plainly and slowly: the oracle of the tests.
 //!
-//! Everything here follows the printed equations sample by sample in double precision, without FFT, tables or shortcuts.
+//! Everything here follows the printed equations sample by sample in double precision, without FFT, tables or
+//! shortcuts.
 
 use std::f64::consts::PI;
 
@@ -8,8 +9,8 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::parameters::{Parameters, TimeReference};
 use crate::pose::wrap_angle;
-use crate::resample::{HALF_WIDTH, kernel};
-use crate::waveform::transmit_period;
+use crate::signal::time_scale::{HALF_WIDTH, kernel};
+use crate::signal::waveform::transmit_period;
 
 /// Eq. (2) and the sum over the periods of eq. (1): the block, zero beyond its ends, at
 /// `origin + (1 + excess) (k - origin)`, folded to one period.
@@ -28,24 +29,26 @@ pub fn resample_and_fold(block: &[f32], origin: f64, excess: f64, period: usize)
 
 /// Eq. (3): the sampling ratio that cancels the Doppler effect of direction n.
 pub fn sampling_ratio(parameters: &Parameters, v_mps: f64, direction: usize) -> f64 {
-    let approach = v_mps * (PI * direction as f64 / parameters.directions as f64).cos();
-    (parameters.speed_of_sound_mps - approach) / (parameters.speed_of_sound_mps + approach)
+    let approach = v_mps * (PI * direction as f64 / parameters.measurement.directions as f64).cos();
+    (parameters.signal.speed_of_sound_mps - approach)
+        / (parameters.signal.speed_of_sound_mps + approach)
 }
 
-/// Eqs. (1)-(3) and the envelope: intensity `[direction, delay]` of one block of M periods, 1 for an echo of amplitude 1.
+/// Eqs. (1)-(3) and the envelope: intensity `[direction, delay]` of one block of M periods, 1 for an echo of
+/// amplitude 1.
 ///
 /// The circular correlation is a double sum, the Hilbert transform a naive Fourier sum.
 pub fn echo_intensity(parameters: &Parameters, block: &[f32], v_mps: f64) -> Array2<f64> {
-    let replica = transmit_period(parameters);
+    let replica = transmit_period(&parameters.signal);
     let period = replica.len();
     let energy: f64 = replica.iter().map(|sample| sample * sample).sum();
-    let origin = match parameters.time_reference {
-        TimeReference::Centre => 0.5 * (parameters.periods * period) as f64,
+    let origin = match parameters.measurement.time_reference {
+        TimeReference::Centre => 0.5 * (parameters.measurement.periods * period) as f64,
         TimeReference::Start => 0.0,
     };
     let delays = parameters.delays();
-    let mut intensity = Array2::zeros((parameters.directions + 1, delays));
-    for direction in 0..=parameters.directions {
+    let mut intensity = Array2::zeros((parameters.measurement.directions + 1, delays));
+    for direction in 0..=parameters.measurement.directions {
         let excess = sampling_ratio(parameters, v_mps, direction) - 1.0;
         let folded = resample_and_fold(block, origin, excess, period);
         let correlation: Vec<f64> = (0..period)
@@ -53,7 +56,7 @@ pub fn echo_intensity(parameters: &Parameters, block: &[f32], v_mps: f64) -> Arr
                 let sum: f64 = (0..period)
                     .map(|k| folded[(k + lag) % period] * replica[k])
                     .sum();
-                sum / (energy * parameters.periods as f64)
+                sum / (energy * parameters.measurement.periods as f64)
             })
             .collect();
         for (delay, value) in envelope(&correlation).into_iter().take(delays).enumerate() {
@@ -100,11 +103,11 @@ pub fn echo_image(
     let half = half_cells as i64;
     let width = 2 * half_cells + 1;
     Array2::from_shape_fn((width, width), |(row, column)| {
-        let x_m = (column as i64 - half) as f64 * parameters.cell_m;
-        let y_m = (row as i64 - half) as f64 * parameters.cell_m;
+        let x_m = (column as i64 - half) as f64 * parameters.measurement.cell_m;
+        let y_m = (row as i64 - half) as f64 * parameters.measurement.cell_m;
         let range_m = x_m.hypot(y_m);
-        let delay = parameters.delay_of_range(range_m);
-        if range_m < parameters.min_range_m || delay >= intensity.ncols() {
+        let delay = parameters.signal.delay_of_range(range_m);
+        if range_m < parameters.measurement.min_range_m || delay >= intensity.ncols() {
             return 0.0;
         }
         let bearing = wrap_angle(y_m.atan2(x_m) - wrap_angle(heading_rad)).abs();

@@ -1,13 +1,17 @@
-//! Poses over time, and their TUM text form (`t x y z qx qy qz qw`, single spaces) that common evaluation tools read.
+//! Poses over time.
 
-use std::fmt::Write as _;
-use std::path::Path;
-
-use crate::error::Error;
-use crate::files;
 use crate::pose::{Pose, wrap_angle};
 
 /// Poses at increasing times.
+///
+/// ```
+/// use localizer::Trajectory;
+///
+/// let text = "0.0 1.0 2.0 0 0 0 0 1\n1.0 2.0 2.0 0 0 0 0 1\n";
+/// let trajectory = Trajectory::from_tum(text, "text")?;
+/// assert_eq!(trajectory.pose_at(0.5).map(|pose| pose.x_m), Some(1.5));
+/// # Ok::<(), localizer::Error>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trajectory {
     /// Times in seconds, increasing.
@@ -17,105 +21,8 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Reads a TUM file. Lines that are empty or start with `#` are skipped.
-    ///
-    /// # Errors
-    /// [`Error::Io`] when the file cannot be read, otherwise those of [`Self::from_tum`].
-    pub fn read_tum(path: &Path) -> Result<Self, Error> {
-        Self::from_tum(&files::read_text(path)?, &path.display().to_string())
-    }
-
-    /// Reads TUM text; `origin` names it in errors.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] with the line that has not eight finite numbers, no rotation, or a time that does not increase,
-    /// or when there is no pose at all.
-    pub fn from_tum(text: &str, origin: &str) -> Result<Self, Error> {
-        let mut trajectory = Self::default();
-        for (index, line) in text.lines().enumerate() {
-            let line = line.trim();
-            if line.is_empty() || line.starts_with('#') {
-                continue;
-            }
-            let refuse = |problem: String, remedy: &str| {
-                Error::invalid(origin, format!("line {}", index + 1), problem, remedy)
-            };
-            let numbers: Vec<f64> = line
-                .split_whitespace()
-                .map(str::parse)
-                .collect::<Result<_, _>>()
-                .map_err(|_| {
-                    refuse(
-                        format!("`{line}` is not all numbers"),
-                        "write `t x y z qx qy qz qw`",
-                    )
-                })?;
-            let &[t_s, x_m, y_m, _, qx, qy, qz, qw] = numbers.as_slice() else {
-                let problem = format!("has {} numbers", numbers.len());
-                return Err(refuse(problem, "write eight: `t x y z qx qy qz qw`"));
-            };
-            if numbers.iter().any(|number| !number.is_finite()) {
-                return Err(refuse(
-                    "has a number that is not finite".to_owned(),
-                    "write finite numbers",
-                ));
-            }
-            if qx * qx + qy * qy + qz * qz + qw * qw < 1e-6 {
-                return Err(refuse(
-                    "the rotation is zero".to_owned(),
-                    "write a unit quaternion, `0 0 0 1` for none",
-                ));
-            }
-            if trajectory.t_s.last().is_some_and(|&before| t_s <= before) {
-                return Err(refuse(
-                    format!("time {t_s} s does not increase"),
-                    "sort the lines by time",
-                ));
-            }
-            let heading_rad =
-                (2.0 * (qw * qz + qx * qy)).atan2(qw * qw + qx * qx - qy * qy - qz * qz);
-            trajectory.t_s.push(t_s);
-            trajectory.poses.push(Pose {
-                x_m,
-                y_m,
-                heading_rad,
-            });
-        }
-        if trajectory.t_s.is_empty() {
-            return Err(Error::invalid(
-                origin,
-                "content",
-                "has no pose",
-                "write one `t x y z qx qy qz qw` per line",
-            ));
-        }
-        Ok(trajectory)
-    }
-
-    /// The TUM text of the trajectory.
-    pub fn to_tum(&self) -> String {
-        let mut text = String::with_capacity(64 * self.t_s.len());
-        for (t_s, pose) in self.t_s.iter().zip(&self.poses) {
-            let (qz, qw) = (0.5 * wrap_angle(pose.heading_rad)).sin_cos();
-            // Writing to a string cannot fail.
-            let _ = writeln!(
-                text,
-                "{t_s:.6} {:.9} {:.9} 0 0 0 {qz:.12} {qw:.12}",
-                pose.x_m, pose.y_m
-            );
-        }
-        text
-    }
-
-    /// Writes a TUM file under a temporary name and renames it.
-    ///
-    /// # Errors
-    /// [`Error::Io`] when that fails.
-    pub fn write_tum(&self, path: &Path) -> Result<(), Error> {
-        files::write_bytes(path, self.to_tum().as_bytes())
-    }
-
-    /// The pose at a time: position interpolated linearly, heading the shorter way; the first or last pose beyond the ends.
+    /// The pose at a time: position interpolated linearly, heading the shorter way; the first or last pose beyond the
+    /// ends.
     ///
     /// None for an empty trajectory.
     pub fn pose_at(&self, t_s: f64) -> Option<Pose> {
@@ -158,7 +65,6 @@ impl Trajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
     use std::f64::consts::PI;
 
     #[test]
@@ -184,45 +90,5 @@ mod tests {
         assert_eq!(trajectory.pose_at(-1.0), Some(trajectory.poses[0]));
         assert_eq!(trajectory.pose_at(9.0), Some(trajectory.poses[1]));
         assert_eq!(Trajectory::default().pose_at(0.0), None);
-    }
-
-    #[test]
-    fn errors_name_the_line() {
-        for (text, word) in [
-            ("", "no pose"),
-            ("# only a comment\n", "no pose"),
-            ("0 1 2 0 0 0 0 1\n0 1 2 0 0 0 0 1\n", "line 2"),
-            ("0 1 2 0 0 0 0\n", "has 7 numbers"),
-            ("0 1 2 0 0 0 0 x\n", "not all numbers"),
-            ("0 1 nan 0 0 0 0 1\n", "not finite"),
-            ("0 1 2 0 0 0 0 0\n", "rotation is zero"),
-        ] {
-            let message = Trajectory::from_tum(text, "a.tum").unwrap_err().to_string();
-            assert!(
-                message.contains(word) && message.contains("a.tum"),
-                "{message}"
-            );
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn text_is_read_back(poses in prop::collection::vec((-50.0..50.0, -50.0..50.0, -3.1..3.1), 1..20)) {
-            let written = Trajectory {
-                t_s: (0..poses.len()).map(|k| 0.1023 * k as f64).collect(),
-                poses: poses.iter().map(|&(x_m, y_m, heading_rad)| Pose { x_m, y_m, heading_rad }).collect(),
-            };
-            let read = Trajectory::from_tum(&written.to_tum(), "text").unwrap();
-            prop_assert_eq!(read.len(), written.len());
-            for (a, b) in read.poses.iter().zip(&written.poses) {
-                prop_assert!(a.distance_m(b) < 1e-8);
-                prop_assert!((a.heading_rad - b.heading_rad).abs() < 1e-9);
-            }
-        }
-
-        #[test]
-        fn no_text_panics(text in "[ 0-9.eE+#\\-\nnaif]{0,200}") {
-            let _ = Trajectory::from_tum(&text, "text");
-        }
     }
 }

@@ -1,7 +1,8 @@
-//! Domain: the streaming localizer in steady operation. A step that allocates may wait for the system at any time, which a
-//! robot that has to keep up with its signal cannot afford. After M + 1 steps (the first block and one more) `step` must
-//! not touch the heap: count of allocations exactly 0, with every way of removing the direct wave that can stream, with every
-//! method, and while the particles spread over more and more cells of the map. Errors may allocate.
+//! Domain: the streaming localizer in steady operation. A step that allocates may wait for the system at any time,
+//! which a robot that has to keep up with its signal cannot afford. After M + 1 steps (the first block and one more)
+//! `step` must not touch the heap: count of allocations exactly 0, with every way of removing the direct wave that
+//! can stream, with every method, and while the particles spread over more and more cells of the map. Errors may
+//! allocate.
 
 #![expect(clippy::unwrap_used, reason = "a failed test may panic")]
 #![expect(
@@ -12,14 +13,15 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use localizer::doppler::DopplerBank;
+use localizer::echo::DopplerBank;
+use localizer::image::map_image;
+use localizer::parameters::{FilterParameters, MeasurementParameters};
 use localizer::{
     DirectWave, EchoBlock, EchoSequence, Localizer, MapImage, Method, Odometry, Parameters, Pose,
-    map_image,
 };
 
-/// The system's allocator with a count of what was asked of it, by all threads. This file holds one test, so that no other
-/// one counts along.
+/// The system's allocator with a count of what was asked of it, by all threads. This file holds one test, so that no
+/// other one counts along.
 struct Counting;
 
 static COUNT: AtomicUsize = AtomicUsize::new(0);
@@ -107,12 +109,18 @@ fn a_step_does_not_allocate_once_it_is_warm() {
         "the counter counts"
     );
     let common = Parameters {
-        periods: 3,
-        max_range_m: 3.0,
-        window_half_width_m: 1.0,
-        // Wide noise: the particles reach new cells with every step.
-        sigma_v_mps: 3.0,
-        sigma_omega_radps: 3.0,
+        measurement: MeasurementParameters {
+            periods: 3,
+            max_range_m: 3.0,
+            ..MeasurementParameters::default()
+        },
+        filter: FilterParameters {
+            window_half_width_m: 1.0,
+            // Wide noise: the particles reach new cells with every step.
+            sigma_v_mps: 3.0,
+            sigma_omega_radps: 3.0,
+            ..FilterParameters::default()
+        },
         ..Parameters::default()
     };
     let map = map(&common);
@@ -124,10 +132,17 @@ fn a_step_does_not_allocate_once_it_is_warm() {
     ] {
         for method in [Method::Doppler, Method::ToaOnly, Method::Odometry] {
             let parameters = Parameters {
-                direct_wave,
-                method,
-                // No resampling at all would keep the particles spreading; the usual one has to be without allocations too.
-                resample_threshold: if method == Method::ToaOnly { 1.0 } else { 0.1 },
+                measurement: MeasurementParameters {
+                    direct_wave,
+                    ..common.measurement
+                },
+                filter: FilterParameters {
+                    method,
+                    // No resampling at all would keep the particles spreading; the usual one has to be without
+                    // allocations too.
+                    resample_threshold: if method == Method::ToaOnly { 1.0 } else { 0.1 },
+                    ..common.filter
+                },
                 ..common.clone()
             };
             let mut localizer =
@@ -138,7 +153,7 @@ fn a_step_does_not_allocate_once_it_is_warm() {
                     estimates += 1;
                 }
             };
-            (0..=parameters.periods).for_each(|_| step());
+            (0..=parameters.measurement.periods).for_each(|_| step());
             let count = allocations(|| (0..12).for_each(|_| step()));
             assert_eq!(
                 count, 0,

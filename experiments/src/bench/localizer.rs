@@ -4,9 +4,11 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::Result;
-use localizer::doppler::DopplerBank;
-use localizer::particle_filter::ParticleFilter;
-use localizer::{EchoBlock, EchoSequence, MapImage, Method, Odometry, Parameters, Pose, map_image};
+use localizer::echo::DopplerBank;
+use localizer::filter::particle_filter::ParticleFilter;
+use localizer::image::map_image;
+use localizer::parameters::FilterParameters;
+use localizer::{EchoBlock, EchoSequence, MapImage, Method, Odometry, Parameters, Pose};
 use serde::Serialize;
 
 use super::stopwatch::Stopwatch;
@@ -112,7 +114,10 @@ fn map_of(parameters: &Parameters, block: &EchoBlock) -> Result<MapImage> {
 /// [`interrupt::Interrupted`] on request.
 pub fn measure() -> Result<[Row; 2]> {
     let parameters = Parameters {
-        window_half_width_m: HALF_WIDTH_M,
+        filter: FilterParameters {
+            window_half_width_m: HALF_WIDTH_M,
+            ..FilterParameters::default()
+        },
         ..Parameters::default()
     };
     let bank = DopplerBank::new(&parameters)?;
@@ -157,11 +162,11 @@ pub fn measure() -> Result<[Row; 2]> {
         p95_ms: quantile(&times.wall, 0.95),
         limit_ms,
         paper_ms,
-        periods: parameters.periods,
+        periods: parameters.measurement.periods,
         directions: block.intensity.nrows(),
-        particles: parameters.particles,
-        half_width_m: parameters.window_half_width_m,
-        bins: parameters.bins,
+        particles: parameters.filter.particles,
+        half_width_m: parameters.filter.window_half_width_m,
+        bins: parameters.filter.bins,
     };
     Ok([
         row("doppler_bank", &bank_ms, 3.0, 32.0),

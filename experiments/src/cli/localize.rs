@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::ValueEnum;
-use localizer::{Method, Pose, Recording, echoes, map_image, offline};
+use localizer::{MapImage, Method, Pose, Recording, echo, offline};
 
 use super::ParameterArguments;
 use super::output::{print, print_json};
@@ -71,19 +71,20 @@ impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         let recording = Recording::read(&self.recording)?;
-        let map = map_image::read(&self.map)?;
+        let map = MapImage::read(&self.map)?;
         let mut parameters = match self.parameters.parameters {
             Some(_) => self.parameters.read()?,
             None => map.parameters.clone(),
         }
         .for_recording(&recording.meta);
-        parameters.method = self.method.into();
-        parameters.periods = self.periods.unwrap_or(parameters.periods);
-        parameters.window_half_width_m = self.window.unwrap_or(parameters.window_half_width_m);
-        parameters.particles = self.particles.unwrap_or(parameters.particles);
+        parameters.filter.method = self.method.into();
+        parameters.measurement.periods = self.periods.unwrap_or(parameters.measurement.periods);
+        parameters.filter.window_half_width_m =
+            self.window.unwrap_or(parameters.filter.window_half_width_m);
+        parameters.filter.particles = self.particles.unwrap_or(parameters.filter.particles);
         parameters.check()?;
         let task = Board::new().task("localize", 2);
-        let sequence = echoes::measure(&recording, &parameters)?;
+        let sequence = echo::measure(&recording, &parameters)?;
         task.set(1);
         let estimates = offline::localize(
             &sequence,

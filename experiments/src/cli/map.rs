@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use localizer::{EchoSequence, Pose, Recording, echoes, map_image};
+use localizer::image::map_image;
+use localizer::{EchoSequence, Pose, Recording, echo};
 
 use super::ParameterArguments;
 use super::output::print_json;
@@ -34,7 +35,7 @@ impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         let mut parameters = self.parameters.read()?;
-        parameters.periods = self.periods.unwrap_or(parameters.periods);
+        parameters.measurement.periods = self.periods.unwrap_or(parameters.measurement.periods);
         let board = Board::new();
         let task = board.task("map", self.recordings.len() as u64);
         let mut drives: Vec<(EchoSequence, Vec<Pose>)> = Vec::new();
@@ -47,7 +48,7 @@ impl Arguments {
                     folder.display()
                 );
             };
-            let sequence = echoes::measure(&recording, &parameters.for_recording(&recording.meta))?;
+            let sequence = echo::measure(&recording, &parameters.for_recording(&recording.meta))?;
             let poses = sequence.poses(truth);
             drives.push((sequence, poses));
             task.set(index as u64 + 1);
@@ -57,7 +58,7 @@ impl Arguments {
             .map(|(sequence, poses)| (sequence, poses.as_slice()))
             .collect();
         let map = map_image::build(&parts)?;
-        map_image::write(&map, &self.output)?;
+        map.write(&self.output)?;
         let (rows, columns) = map.intensity.dim();
         if json {
             return print_json(&serde_json::json!({

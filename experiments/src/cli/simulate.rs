@@ -9,7 +9,7 @@ use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
 use fdtd::walls::WallModel;
-use localizer::recording::wav;
+use localizer::io::wav;
 
 use super::output::print_json;
 use super::{EngineArguments, named};

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use fdtd::scheme::Scheme;
-use localizer::map_image::{self, MapImage};
-use localizer::{EchoSequence, Parameters, Recording, echoes};
+use localizer::image::map_image::{self, MapImage};
+use localizer::{EchoSequence, Parameters, Recording, echo};
 
 use super::Laboratory;
 use crate::simulate::Take;
@@ -28,7 +28,7 @@ impl Laboratory {
             return Ok(map);
         }
         let recording = self.recording(&take, false)?;
-        let sequence = echoes::measure(&recording, &parameters)?;
+        let sequence = echo::measure(&recording, &parameters)?;
         let map = Arc::new(map_of(&recording, &sequence)?);
         if let Ok(mut maps) = self.maps.lock() {
             maps.insert(name, Arc::clone(&map));
@@ -47,7 +47,7 @@ impl Laboratory {
             return Ok(echoes);
         }
         let recording = self.recording(take, false)?;
-        let echoes = Arc::new(echoes::measure(&recording, parameters)?);
+        let echoes = Arc::new(echo::measure(&recording, parameters)?);
         if let Ok(mut recent) = self.recent.lock() {
             *recent = Some((name, Arc::clone(&echoes)));
         }
@@ -73,20 +73,28 @@ pub fn map_of(recording: &Recording, sequence: &EchoSequence) -> Result<MapImage
     Ok(map_image::build(&[(sequence, &sequence.poses(truth))])?)
 }
 
-/// The parameters with everything that the filter alone uses set to that of `base`: equal for trials that can share measured echoes and map.
+/// The parameters with the filter's set to those of `base`: equal for trials that can share measured echoes and map.
 pub fn measurement_of(parameters: &Parameters, base: &Parameters) -> Parameters {
     Parameters {
-        method: base.method,
-        window_half_width_m: base.window_half_width_m,
-        particles: base.particles,
-        sigma_v_mps: base.sigma_v_mps,
-        sigma_omega_radps: base.sigma_omega_radps,
-        bins: base.bins,
-        integration: base.integration,
-        likelihood_exponent: base.likelihood_exponent,
-        resample_threshold: base.resample_threshold,
-        start_sigma_m: base.start_sigma_m,
-        start_sigma_rad: base.start_sigma_rad,
+        filter: base.filter,
         ..parameters.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use localizer::{Method, Resampling};
+
+    #[test]
+    fn trials_that_differ_in_the_filter_alone_share_their_measurement() {
+        let base = Parameters::default();
+        let mut trial = base.clone();
+        trial.filter.method = Method::ToaOnly;
+        trial.filter.resampling = Resampling::Multinomial;
+        assert_eq!(measurement_of(&trial, &base), base);
+        trial.measurement.periods = 3;
+        assert_ne!(measurement_of(&trial, &base), base);
+        assert_eq!(measurement_of(&trial, &base).measurement, trial.measurement);
     }
 }

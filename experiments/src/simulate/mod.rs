@@ -13,6 +13,7 @@ use fdtd::scene::Scene;
 use fdtd::simulation::{Flow, Outcome, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
 use fdtd::waveform::PeriodicWaveform;
 use localizer::Parameters;
+use localizer::parameters::SignalParameters;
 
 use crate::figures::{self, snapshot::Frame};
 use crate::interrupt::{self, Interrupted};
@@ -59,14 +60,17 @@ pub struct Running<'a> {
 /// Parameters of the localizer with the waveform, rate and medium of a scene.
 pub fn parameters_of(scene: &Scene, base: &Parameters) -> Parameters {
     Parameters {
-        sample_rate_hz: scene.sample_rate_hz,
-        code_length: scene.waveform.code_length as usize,
-        chip_rate_hz: scene.waveform.chip_rate_hz,
-        carrier_hz: scene.waveform.carrier_hz,
-        speed_of_sound_mps: scene.medium.c_mps,
-        sensor_offset_m: [0, 1].map(|axis| {
-            0.5 * (scene.robot.loudspeaker_offset_m[axis] + scene.robot.microphone_offset_m[axis])
-        }),
+        signal: SignalParameters {
+            sample_rate_hz: scene.sample_rate_hz,
+            code_length: scene.waveform.code_length as usize,
+            chip_rate_hz: scene.waveform.chip_rate_hz,
+            carrier_hz: scene.waveform.carrier_hz,
+            speed_of_sound_mps: scene.medium.c_mps,
+            sensor_offset_m: [0, 1].map(|axis| {
+                0.5 * (scene.robot.loudspeaker_offset_m[axis]
+                    + scene.robot.microphone_offset_m[axis])
+            }),
+        },
         ..base.clone()
     }
 }
@@ -78,7 +82,7 @@ pub fn parameters_of(scene: &Scene, base: &Parameters) -> Parameters {
 pub fn source_waveform(scene: &Scene) -> Result<PeriodicWaveform> {
     let parameters = parameters_of(scene, &Parameters::default());
     parameters.check().context("waveform of the scene")?;
-    let samples = localizer::waveform::transmit_period(&parameters);
+    let samples = localizer::signal::waveform::transmit_period(&parameters.signal);
     Ok(PeriodicWaveform::with_band(
         &samples,
         parameters.period_s(),

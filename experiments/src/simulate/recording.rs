@@ -5,7 +5,8 @@ use fdtd::medium::Air;
 use fdtd::medium::absorbed::{LONGEST_M, Stamped};
 use fdtd::medium::absorption::nepers_per_metre;
 use fdtd::scene::Scene;
-use localizer::recording::{OdometrySample, Recording, RecordingMeta};
+use localizer::odometry::OdometrySample;
+use localizer::recording::{Recording, RecordingMeta};
 use localizer::{Parameters, Pose, Trajectory};
 
 use super::{Take, parameters_of};

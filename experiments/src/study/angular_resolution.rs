@@ -8,8 +8,9 @@
 use anyhow::{Context, Result};
 use fdtd::waveform::PeriodicWaveform;
 use localizer::Parameters;
-use localizer::doppler::DopplerBank;
-use localizer::waveform::transmit_period;
+use localizer::echo::DopplerBank;
+use localizer::parameters::MeasurementParameters;
+use localizer::signal::waveform::transmit_period;
 
 use crate::laboratory::Laboratory;
 use crate::metrics::rounded;
@@ -34,19 +35,19 @@ const HALF_POWER: f64 = 0.885_893;
 /// One block of an exact echo of amplitude 1.
 fn echo(parameters: &Parameters, delay_s: f64) -> Vec<f32> {
     let waveform = PeriodicWaveform::with_band(
-        &transmit_period(parameters),
+        &transmit_period(&parameters.signal),
         parameters.period_s(),
         BAND_HZ,
-        4.0 * parameters.sample_rate_hz,
+        4.0 * parameters.signal.sample_rate_hz,
     );
-    let count = parameters.periods * parameters.samples_per_period();
-    let centre_s = 0.5 * count as f64 / parameters.sample_rate_hz;
+    let count = parameters.measurement.periods * parameters.samples_per_period();
+    let centre_s = 0.5 * count as f64 / parameters.signal.sample_rate_hz;
     let approach = SPEED_MPS * WALL_COS;
-    let scale =
-        (parameters.speed_of_sound_mps + approach) / (parameters.speed_of_sound_mps - approach);
+    let scale = (parameters.signal.speed_of_sound_mps + approach)
+        / (parameters.signal.speed_of_sound_mps - approach);
     (0..count)
         .map(|k| {
-            let t_s = k as f64 / parameters.sample_rate_hz;
+            let t_s = k as f64 / parameters.signal.sample_rate_hz;
             waveform.value(centre_s + scale * (t_s - centre_s) - delay_s) as f32
         })
         .collect()
@@ -55,8 +56,8 @@ fn echo(parameters: &Parameters, delay_s: f64) -> Vec<f32> {
 /// The bank's answer over cos(theta), relative to its greatest value, from the stern to the bow.
 fn answer(parameters: &Parameters) -> Result<Vec<(f64, f64)>> {
     let bank = DopplerBank::new(parameters)?;
-    let delay = parameters.delay_of_range(RANGE_M);
-    let block = echo(parameters, delay as f64 / parameters.sample_rate_hz);
+    let delay = parameters.signal.delay_of_range(RANGE_M);
+    let block = echo(parameters, delay as f64 / parameters.signal.sample_rate_hz);
     let mut intensity = bank.intensity();
     bank.measure(&block, SPEED_MPS, &mut bank.scratch(), &mut intensity);
     let column = intensity.column(delay);
@@ -95,19 +96,22 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     summary.angular_resolution.clear();
     for periods in PERIODS {
         let parameters = Parameters {
-            periods,
-            directions: DIRECTIONS,
-            max_range_m: 2.0 * RANGE_M,
-            min_range_m: 0.0,
-            range_pool_m: 0.0,
+            measurement: MeasurementParameters {
+                periods,
+                directions: DIRECTIONS,
+                max_range_m: 2.0 * RANGE_M,
+                min_range_m: 0.0,
+                range_pool_m: 0.0,
+                ..lab.parameters.measurement
+            },
             ..lab.parameters.clone()
         };
         let answer = answer(&parameters)?;
         let width = half_power_width(&answer)
             .context("the echo's lobe reaches beyond all directions; drive faster")?;
         let block_s = periods as f64 * parameters.period_s();
-        let theory = HALF_POWER * parameters.speed_of_sound_mps
-            / (2.0 * parameters.carrier_hz * block_s * SPEED_MPS);
+        let theory = HALF_POWER * parameters.signal.speed_of_sound_mps
+            / (2.0 * parameters.signal.carrier_hz * block_s * SPEED_MPS);
         for (cosine, level) in answer {
             table.push([periods.to_string(), cell(cosine, 5), cell(level, 5)]);
         }
@@ -131,9 +135,12 @@ mod tests {
         // Tolerance 15 %: theory holds for the carrier alone, the code fills 0 to 19 kHz around it.
         for periods in [2, 6] {
             let parameters = Parameters {
-                periods,
-                directions: DIRECTIONS,
-                max_range_m: 4.0,
+                measurement: MeasurementParameters {
+                    periods,
+                    directions: DIRECTIONS,
+                    max_range_m: 4.0,
+                    ..MeasurementParameters::default()
+                },
                 ..Parameters::default()
             };
             let answer = answer(&parameters).unwrap();

@@ -17,6 +17,7 @@ mod window_size;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
+use localizer::parameters::FilterParameters;
 use localizer::{Method, Parameters};
 
 use crate::check::aligned;
@@ -244,7 +245,10 @@ fn trials_of(parameters: &Parameters, method: Method, count: usize) -> Vec<Trial
         .map(|trial| Trial {
             scheme: None,
             parameters: Parameters {
-                method,
+                filter: FilterParameters {
+                    method,
+                    ..parameters.filter
+                },
                 ..parameters.clone()
             },
             trial,

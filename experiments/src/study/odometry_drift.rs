@@ -34,7 +34,7 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     for (trial, result) in trials.iter().zip(&results) {
         for index in 0..result.t_s.len() {
             paths.push([
-                method_name(trial.parameters.method).to_string(),
+                method_name(trial.parameters.filter.method).to_string(),
                 trial.trial.to_string(),
                 cell(result.t_s[index], 4),
                 cell(result.x_m[index], 4),

@@ -1,6 +1,7 @@
 //! Position error and paths for several numbers of periods in a block (2023 abstract).
 
 use anyhow::Result;
+use localizer::parameters::MeasurementParameters;
 use localizer::{Method, Parameters};
 
 use super::{doppler_trials, trials_of};
@@ -17,7 +18,10 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
         .iter()
         .flat_map(|&periods| {
             let parameters = Parameters {
-                periods,
+                measurement: MeasurementParameters {
+                    periods,
+                    ..lab.parameters.measurement
+                },
                 ..lab.parameters.clone()
             };
             doppler_trials(&parameters, lab.plan.trials)
@@ -39,7 +43,7 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
         }
     };
     for (trial, result) in trials.iter().zip(&results) {
-        let m = trial.parameters.periods.to_string();
+        let m = trial.parameters.measurement.periods.to_string();
         table.push([m.clone(), trial.trial.to_string(), cell(result.mae_m(), 6)]);
         if trial.trial == 0 {
             add_path(&m, result);

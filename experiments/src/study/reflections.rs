@@ -3,7 +3,8 @@
 use anyhow::{Context, Result};
 use fdtd::rays::{RayKind, Reflectors, TraceOptions, trace};
 use fdtd::walls::Wall;
-use localizer::echoes;
+use localizer::echo;
+use localizer::parameters::MeasurementParameters;
 use localizer::{Parameters, ToaImage};
 use ndarray::Array2;
 
@@ -86,16 +87,22 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     let recording = lab.recording(&lab.take("localization", None), false)?;
     // The figure shows the sum over the directions, whatever stands for them in the range-only method.
     let parameters = &Parameters {
-        toa_image: ToaImage::Mean,
+        measurement: MeasurementParameters {
+            toa_image: ToaImage::Mean,
+            ..lab.parameters.measurement
+        },
         ..lab.parameters.clone()
     };
-    let sequence = echoes::measure(&recording, parameters)?;
+    let sequence = echo::measure(&recording, parameters)?;
     let delays = parameters
+        .signal
         .delay_of_range(0.5 * SHOWN_M)
         .min(parameters.delays());
     let columns = delays / POOL;
-    let gate = parameters.delay_of_range(parameters.min_range_m);
-    let directions = (parameters.directions + 1) as f32;
+    let gate = parameters
+        .signal
+        .delay_of_range(parameters.measurement.min_range_m);
+    let directions = (parameters.measurement.directions + 1) as f32;
     let image = Array2::from_shape_fn((sequence.blocks.len(), columns), |(row, column)| {
         let intensity = &sequence.blocks[row].toa_intensity;
         (column * POOL..(column + 1) * POOL)
@@ -110,7 +117,7 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
         .copied()
         .context("the recording has no block")?;
     let step_s = parameters.period_s();
-    let column_m = 2.0 * parameters.range_of_delay_m(POOL as f64);
+    let column_m = 2.0 * parameters.signal.range_of_delay_m(POOL as f64);
     let place = serde_json::json!({
         "t_s": [first_s - 0.5 * step_s, first_s + (times_s.len() as f64 - 0.5) * step_s],
         "range_m": [0.0, column_m * columns as f64],

@@ -31,7 +31,7 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     for (trial, result) in trials.iter().zip(&results) {
         table.push([
             Scheme::Slf.name().to_string(),
-            method_name(trial.parameters.method).to_string(),
+            method_name(trial.parameters.filter.method).to_string(),
             trial.trial.to_string(),
             cell(result.mae_m(), 6),
         ]);

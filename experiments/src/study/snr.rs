@@ -1,6 +1,7 @@
 //! Position error over the signal-to-noise ratio, eqs. (19)-(21) (Fig. 9).
 
 use anyhow::Result;
+use localizer::parameters::FilterParameters;
 use localizer::{Method, Parameters};
 
 use crate::laboratory::Laboratory;
@@ -27,7 +28,10 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             (0..lab.plan.noise_trials as u64).map(move |trial| Trial {
                 scheme: None,
                 parameters: Parameters {
-                    method: Method::Doppler,
+                    filter: FilterParameters {
+                        method: Method::Doppler,
+                        ..lab.parameters.filter
+                    },
                     ..lab.parameters.clone()
                 },
                 trial,

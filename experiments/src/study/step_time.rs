@@ -3,9 +3,10 @@
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use localizer::doppler::DopplerBank;
-use localizer::tracker::Tracker;
-use localizer::{EchoSequence, MapImage, Method, Parameters, Recording, echoes};
+use localizer::echo::DopplerBank;
+use localizer::filter::tracker::Tracker;
+use localizer::parameters::FilterParameters;
+use localizer::{EchoSequence, MapImage, Method, Parameters, Recording, echo};
 
 use crate::laboratory::{Laboratory, measurement_of};
 use crate::metrics::{quantile, rounded};
@@ -66,10 +67,13 @@ fn filter_times_ms(
 pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     let recording = lab.recording(&lab.take("localization", None), false)?;
     let doppler = Parameters {
-        method: Method::Doppler,
+        filter: FilterParameters {
+            method: Method::Doppler,
+            ..lab.parameters.filter
+        },
         ..lab.parameters.clone()
     };
-    let sequence = echoes::measure(&recording, &measurement_of(&doppler, &lab.parameters))?;
+    let sequence = echo::measure(&recording, &measurement_of(&doppler, &lab.parameters))?;
     let map = lab.map(None, &doppler)?;
     let mut table = Table::new(["stage", "half_width_m", "time_ms"]);
     let mut add = |stage: &str, half_width: String, times: &[f64]| {
@@ -82,7 +86,10 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     let mut filter_by_window = Vec::new();
     for &half_width_m in &lab.plan.half_widths_m {
         let parameters = Parameters {
-            window_half_width_m: half_width_m,
+            filter: FilterParameters {
+                window_half_width_m: half_width_m,
+                ..doppler.filter
+            },
             ..doppler.clone()
         };
         let times = filter_times_ms(lab, &recording, &sequence, &map, &parameters)?;

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use localizer::Parameters;
+use localizer::parameters::FilterParameters;
 
 use super::doppler_trials;
 use crate::laboratory::Laboratory;
@@ -17,7 +18,10 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
         .iter()
         .flat_map(|&window_half_width_m| {
             let parameters = Parameters {
-                window_half_width_m,
+                filter: FilterParameters {
+                    window_half_width_m,
+                    ..lab.parameters.filter
+                },
                 ..lab.parameters.clone()
             };
             doppler_trials(&parameters, lab.plan.trials)
@@ -27,7 +31,7 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     let mut table = Table::new(["half_width_m", "trial", "mae_m"]);
     for (trial, result) in trials.iter().zip(&results) {
         table.push([
-            cell(trial.parameters.window_half_width_m, 2),
+            cell(trial.parameters.filter.window_half_width_m, 2),
             trial.trial.to_string(),
             cell(result.mae_m(), 6),
         ]);

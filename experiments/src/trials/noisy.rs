@@ -1,8 +1,8 @@
 //! Trials with noise on the received signal: all noises and levels go through the drive together, some blocks at a time.
 
 use anyhow::{Context, Result};
-use localizer::noisy::{AddedNoise, NoisyEchoes};
-use localizer::tracker::Tracker;
+use localizer::echo::noise_sweep::{AddedNoise, NoiseSweep};
+use localizer::filter::tracker::Tracker;
 use localizer::{Estimate, offline};
 use rayon::prelude::*;
 
@@ -82,7 +82,7 @@ impl Laboratory {
                 }
             })
             .collect();
-        let echoes = NoisyEchoes::new(&recording, &added, parameters)?;
+        let echoes = NoiseSweep::new(&recording, &added, parameters)?;
         let start = recording.start_pose();
         let mut runs = Vec::new();
         for (drive, group) in noises.iter().flat_map(|(_, groups)| groups).enumerate() {

@@ -1,20 +1,21 @@
 //! The dual-circle method: a transmitter lies where the circles around two receivers meet.
 
-use super::Beacons;
-use crate::Error;
+use super::receivers::Beacons;
+use crate::error::Error;
 
-/// The two points at distance `range_a_m` from `a` and `range_b_m` from `b`, eqs. (1)-(17) of Hsu et al. (2021) derived anew.
+/// The two points at distance `range_a_m` from `a` and `range_b_m` from `b`, eqs. (1)-(17) of Hsu et al. (2021)
+/// derived anew.
 ///
-/// Subtracting the circles leaves the line Y = M X + K, eqs. (8)-(11). Put into eq. (7) it gives
-/// (X - X3)^2 + (M X + K - Y3)^2 = R3^2; eq. (12) is misprinted with Y3^2 inside the bracket, while eqs. (14)-(16) follow
-/// from the right form. Eq. (5) is printed with Y on both sides: solved for Y it reads Y = Y1 +- sqrt(R1^2 - (X - X1)^2).
-/// That is eqs. (10)-(17) with the axes exchanged and M = 0, so one derivation serves: the axes are exchanged whenever the
-/// receivers differ more in X than in Y, which also keeps |M| <= 1. Coordinates are taken from `b` (X3 = Y3 = 0): no squares of
-/// large coordinates cancel.
+/// Subtracting the circles leaves the line Y = M X + K, eqs. (8)-(11). Put into eq. (7) it gives (X - X3)^2 + (M X +
+/// K - Y3)^2 = R3^2; eq. (12) is misprinted with Y3^2 inside the bracket, while eqs. (14)-(16) follow from the right
+/// form. Eq. (5) is printed with Y on both sides: solved for Y it reads Y = Y1 +- sqrt(R1^2 - (X - X1)^2). That is
+/// eqs. (10)-(17) with the axes exchanged and M = 0, so one derivation serves: the axes are exchanged whenever the
+/// receivers differ more in X than in Y, which also keeps |M| <= 1. Coordinates are taken from `b` (X3 = Y3 = 0): no
+/// squares of large coordinates cancel.
 ///
 /// # Errors
-/// [`Error::Invalid`] for input that is not finite or a negative range; [`Error::Degenerate`] when the receivers are at one place
-/// or the circles do not meet.
+/// [`Error::Invalid`] for input that is not finite or a negative range; [`Error::Degenerate`] when the receivers are
+/// at one place or the circles do not meet.
 pub fn intersections(
     a: [f64; 2],
     range_a_m: f64,

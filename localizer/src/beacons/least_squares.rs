@@ -1,12 +1,12 @@
 //! Least squares over the ranges of all receivers, with covariance.
 
-use super::{Beacons, minus};
-use crate::Error;
+use super::receivers::{Beacons, minus};
+use crate::error::Error;
 
 /// Steps after which the search gives up.
 const STEPS: usize = 100;
 
-/// A position and how sure it is.
+/// A position with its covariance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fix {
     /// Position `[x, y]`, metres.
@@ -18,13 +18,14 @@ pub struct Fix {
 }
 
 impl Beacons {
-    /// The position with the least sum of squared range residuals, by Gauss-Newton steps (halved where they overshoot) from
-    /// the best dual-circle position of all pairs. The covariance is `sigma_m`^2 (J^T J)^-1 with the unit vectors from the receivers as
-    /// rows of J, for ranges with independent errors of standard deviation `sigma_m`.
+    /// The position with the least sum of squared range residuals, by Gauss-Newton steps (halved where they
+    /// overshoot) from the best dual-circle position of all pairs. The covariance is `sigma_m`^2 (J^T J)^-1 with the
+    /// unit vectors from the receivers as rows of J, for ranges with independent errors of standard deviation
+    /// `sigma_m`.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for bad ranges or a bad `sigma_m`; [`Error::Degenerate`] when no circles meet, the transmitter sees all
-    /// receivers in line, or the search does not settle.
+    /// [`Error::Invalid`] for bad ranges or a bad `sigma_m`; [`Error::Degenerate`] when no circles meet, the
+    /// transmitter sees all receivers in line, or the search does not settle.
     pub fn least_squares(&self, ranges_m: &[f64], sigma_m: f64) -> Result<Fix, Error> {
         if !sigma_m.is_finite() || sigma_m <= 0.0 {
             return Err(Error::invalid(

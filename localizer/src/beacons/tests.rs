@@ -2,7 +2,9 @@
 
 use proptest::prelude::*;
 
+use super::receivers::{cross, minus};
 use super::*;
+use crate::error::Error;
 
 const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
 

@@ -1,16 +1,18 @@
 //! Triangulation: bearings from the sides of triangles, crossed.
 
-use super::{Beacons, cross, minus};
-use crate::Error;
+use super::receivers::{Beacons, cross, minus};
+use crate::error::Error;
 
 impl Beacons {
-    /// Position where two bearings cross: at the first receiver against the baseline to the second, and at the second against the
-    /// baseline to the third. The law of cosines gives each bearing from two ranges up to its sign; the signs are those
-    /// whose crossing fits all ranges best. Hsu et al. (2021) list results of triangulation (Table 2) but not its equations: this is our
-    /// reading. (Two bearings on one baseline would repeat the dual-circle method.)
+    /// Position where two bearings cross: at the first receiver against the baseline to the second, and at the second
+    /// against the baseline to the third. The law of cosines gives each bearing from two ranges up to its sign; the
+    /// signs are those whose crossing fits all ranges best. Hsu et al. (2021) list results of triangulation (Table 2)
+    /// but not its equations: this is our reading. (Two bearings on one baseline would repeat the dual-circle
+    /// method.)
     ///
     /// # Errors
-    /// [`Error::Invalid`] for bad ranges; [`Error::Degenerate`] when a triangle does not close or the bearings do not cross.
+    /// [`Error::Invalid`] for bad ranges; [`Error::Degenerate`] when a triangle does not close or the bearings do not
+    /// cross.
     pub fn triangulate(&self, ranges_m: &[f64]) -> Result<[f64; 2], Error> {
         self.check(ranges_m)?;
         let (first, second) = (

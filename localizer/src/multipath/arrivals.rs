@@ -1,17 +1,17 @@
 //! Arrival times of a whole recording (2021, process (iii)): impulse responses and their peaks, block by block.
 //!
-//! A moving robot's echoes are Doppler-scaled, and an M-sequence of 0.1 s at 10 kHz loses an echo at 0.3 m/s altogether. The impulse
-//! response is therefore the largest envelope over the directions of the Doppler bank: every echo appears with the scale that
-//! fits it. The static direct wave is removed beforehand (see [`crate::DirectWave`]), and delays below `min_range_m` are not picked.
+//! The Doppler effect decorrelates echoes of a moving robot from the transmitted signal. The impulse response is
+//! therefore the largest envelope over the directions of the Doppler bank, so that every echo appears with the scale
+//! that fits it. The static direct wave is removed beforehand (see [`crate::DirectWave`]), and delays below
+//! `min_range_m` are not picked.
 
 use ndarray::Array2;
 
 use super::peaks::{Picking, pick};
-use crate::blocks::map_blocks;
+use crate::echo::recording_blocks::map_blocks;
 use crate::error::Error;
+use crate::odometry::{Odometry, mean_over_periods};
 use crate::parameters::Parameters;
-use crate::pose::Odometry;
-use crate::receiver::mean_odometry;
 use crate::recording::Recording;
 
 /// Arrival times of one block.
@@ -23,30 +23,31 @@ pub struct ArrivalBlock {
     pub step_s: f64,
     /// Mean odometry over that time.
     pub odometry: Odometry,
-    /// Arrival times after the sound was sent, in seconds, increasing.
+    /// Arrival times after emission, in seconds, increasing.
     pub times_s: Vec<f64>,
 }
 
-/// Measures the arrival times of every block; see [`crate::echoes::measure`] for what a block is and what is refused. The noise level is that
-/// of all delays up to `max_range_m`; peaks are picked at round trips of `round_trip_m`.
+/// Measures the arrival times of every block of a recording, as [`crate::echo::measure`] does echoes. The noise level
+/// is that of all delays up to `max_range_m`; peaks are picked at round trips within `round_trip_m`.
 ///
 /// # Errors
-/// As [`crate::echoes::measure`].
+/// As [`crate::echo::measure`].
 pub fn measure(
     recording: &Recording,
     parameters: &Parameters,
     picking: &Picking,
     round_trip_m: [f64; 2],
 ) -> Result<Vec<ArrivalBlock>, Error> {
-    let rate_hz = parameters.sample_rate_hz;
+    let rate_hz = parameters.signal.sample_rate_hz;
     let [first, last] =
-        round_trip_m.map(|way_m| (way_m / parameters.speed_of_sound_mps * rate_hz) as usize);
+        round_trip_m.map(|way_m| (way_m / parameters.signal.speed_of_sound_mps * rate_hz) as usize);
     let (blocks, odometry) = map_blocks(
         recording,
         parameters,
         |bank| (bank.scratch(), bank.intensity(), Vec::new()),
         |bank, (scratch, intensity, envelope), _, block, odometry| {
-            let v_mps = mean_odometry(odometry, 0.0, parameters.periods as f64).v_mps;
+            let v_mps =
+                mean_over_periods(odometry, 0.0, parameters.measurement.periods as f64).v_mps;
             bank.measure(block, v_mps, scratch, intensity);
             largest(intensity, envelope);
             let peaks = pick(envelope, first..last, picking);
@@ -54,14 +55,14 @@ pub fn measure(
         },
     )?;
     let period_s = parameters.period_s();
-    let reference = parameters.reference_periods();
+    let reference = parameters.measurement.reference_periods();
     let timed = blocks.into_iter().enumerate().map(|(index, times_s)| {
         let to = index as f64 + reference;
         let from = if index == 0 { 0.0 } else { to - 1.0 };
         ArrivalBlock {
             t_s: to * period_s,
             step_s: (to - from) * period_s,
-            odometry: mean_odometry(&odometry, from, to),
+            odometry: mean_over_periods(&odometry, from, to),
             times_s,
         }
     });
@@ -82,8 +83,10 @@ fn largest(intensity: &Array2<f32>, envelope: &mut Vec<f32>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{OdometrySample, RecordingMeta};
-    use crate::waveform::m_sequence;
+    use crate::odometry::OdometrySample;
+    use crate::parameters::{MeasurementParameters, SignalParameters};
+    use crate::recording::RecordingMeta;
+    use crate::signal::waveform::m_sequence;
     use std::f64::consts::TAU;
 
     /// The transmitted signal at any time: rectangular chips on the carrier.
@@ -92,8 +95,9 @@ mod tests {
         f64::from(code[chip]) * (TAU * 10e3 * t_s).sin()
     }
 
-    /// Domain: a robot at 0.3 m/s between a wall ahead (echo at 3.2 m - 0.6 t) and one behind (6 m + 0.6 t), with a static direct wave at 0.1 m,
-    /// ten times as loud. Delay law of a uniform approach to a wall; tolerance 0.02 m of round trip (rectangular chips at 40 kHz).
+    /// Domain: a robot at 0.3 m/s between a wall ahead (echo at 3.2 m - 0.6 t) and one behind (6 m + 0.6 t), with a
+    /// static direct wave at 0.1 m, ten times as loud. Delay law of a uniform approach to a wall; tolerance 0.02 m of
+    /// round trip (rectangular chips at 40 kHz).
     #[test]
     fn moving_walls_are_timed_and_the_direct_wave_is_not_picked() {
         for (order, c) in [(10, 340.0), (10, 333.0), (11, 350.0)] {
@@ -105,12 +109,18 @@ mod tests {
         let v = 0.3;
         let code = m_sequence(order);
         let parameters = Parameters {
-            periods: 2,
-            directions: 12,
-            direct_wave: crate::DirectWave::GatedMean,
-            max_range_m: 17.0,
-            code_length: code.len(),
-            speed_of_sound_mps: c,
+            signal: SignalParameters {
+                code_length: code.len(),
+                speed_of_sound_mps: c,
+                ..SignalParameters::default()
+            },
+            measurement: MeasurementParameters {
+                periods: 2,
+                directions: 12,
+                direct_wave: crate::DirectWave::GatedMean,
+                max_range_m: 17.0,
+                ..MeasurementParameters::default()
+            },
             ..Parameters::default()
         };
         let samples = parameters.samples_per_period() as u32;

@@ -2,7 +2,9 @@
 
 use super::arrivals::ArrivalBlock;
 use super::{association::associate, prediction::Predictor};
-use crate::{Odometry, Pose, Trajectory, pose::wrap_angle};
+use crate::odometry::Odometry;
+use crate::pose::{Pose, wrap_angle};
+use crate::trajectory::Trajectory;
 
 /// Noise of the wheels and of the arrival times, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,8 +66,8 @@ impl Ekf {
         self.pose
     }
 
-    /// Eq. (1) along the heading in the middle of the step, which does not lag in turns as the printed form does; covariance
-    /// `F P F' + G Q G'`.
+    /// Eq. (1) along the heading in the middle of the step, which does not lag in turns as the printed form does;
+    /// covariance `F P F' + G Q G'`.
     fn advance(&mut self, speeds: Odometry, dt_s: f64) {
         let turn_rad = speeds.omega_radps * dt_s;
         let (sin, cos) = (self.pose.heading_rad + 0.5 * turn_rad).sin_cos();

@@ -1,5 +1,5 @@
-//! Position from the arrival times of multipath echoes (Tsuchiya et al., 2021): planes as map, image sources as prediction,
-//! an extended Kalman filter as estimator.
+//! Position from the arrival times of multipath echoes (Tsuchiya et al., 2021): planes as map, image sources as
+//! prediction, an extended Kalman filter as estimator.
 //!
 //! | process of Fig. 1 | equations | module |
 //! |---|---|---|

@@ -5,7 +5,7 @@ use std::ops::Range;
 /// Median of the magnitude of complex Gaussian noise over its standard deviation per component: `sqrt(2 ln 2)`.
 const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_7;
 
-/// What counts as a peak.
+/// Conditions on a peak.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Picking {
     /// Lowest level over the noise level of the impulse response (see [`noise_level`]).
@@ -25,8 +25,8 @@ pub struct Peak {
     pub level: f64,
 }
 
-/// Standard deviation per component of the noise under an impulse response, from the median of its whole envelope: echoes fill less
-/// than half of a period, so the median is one of noise. 0 for an empty envelope.
+/// Standard deviation per component of the noise under an impulse response, from the median of its whole envelope:
+/// echoes fill less than half of a period, so the median is one of noise. 0 for an empty envelope.
 pub fn noise_level(envelope: &[f32]) -> f64 {
     let mut sorted = envelope.to_vec();
     let middle = sorted.len() / 2;
@@ -87,8 +87,9 @@ mod tests {
         most: 9,
     };
 
-    /// Domain: bells of half width 4 samples at known places, 30 samples apart, in Rayleigh noise 40 dB below the least; tolerance 0.2 sample
-    /// (a parabola on a Gaussian of this width errs by 0.02, the noise under the weakest by 0.05 rms).
+    /// Domain: bells of half width 4 samples at known places, 30 samples apart, in Rayleigh noise 40 dB below the
+    /// least; tolerance 0.2 sample (a parabola on a Gaussian of this width errs by 0.02, the noise under the weakest
+    /// by 0.05 rms).
     #[test]
     fn known_echoes_in_noise_are_found_between_the_samples() {
         let echoes = [(40.3, 1.0), (71.8, 0.4), (160.5, 0.2), (300.1, 0.6)];
@@ -132,7 +133,8 @@ mod tests {
     }
 
     proptest! {
-        /// The plain words: above the threshold, strictly above all before and not below any after within the separation.
+        /// The plain words: above the threshold, strictly above all before and not below any after within the
+        /// separation.
         #[test]
         fn the_same_peaks_as_by_the_plain_words(
             levels in prop::collection::vec(0_u8..40, 3..80), separation in 1_usize..6, threshold in 0.5..3.0_f64

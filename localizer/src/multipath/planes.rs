@@ -39,8 +39,8 @@ impl Plane {
         })
     }
 
-    /// The vertical wall between two points in metres. It reflects on its left side only, as seen from the first point to the second;
-    /// `None` for equal points.
+    /// The vertical wall between two points in metres. It reflects on its left side only, as seen from the first
+    /// point to the second; `None` for equal points.
     pub fn wall([from, to]: [[f64; 2]; 2]) -> Option<Self> {
         let along = [to[0] - from[0], to[1] - from[1]];
         let length_m = along[0].hypot(along[1]);
@@ -66,8 +66,8 @@ impl Plane {
         (0..3).map(|i| self.normal[i] * point_m[i]).sum::<f64>() + self.offset_m
     }
 
-    /// Where sound from an image behind the plane passes it on its way to `point_m`; `None` when it passes beyond the wall's ends or comes
-    /// from its back. A plane without ends lets everything pass, as eq. (3) does.
+    /// Where sound from an image behind the plane passes it on its way to `point_m`; `None` when it passes beyond the
+    /// wall's ends or comes from its back. A plane without ends lets everything pass, as eq. (3) does.
     pub fn passage(&self, image_m: [f64; 3], point_m: [f64; 3]) -> Option<[f64; 3]> {
         let (below, above) = (self.height_m(image_m), self.height_m(point_m));
         let share = above / (above - below);

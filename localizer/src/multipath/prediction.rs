@@ -1,9 +1,9 @@
 //! Predicted arrival times and their Jacobians (2021, eqs. (2) and (3)).
 
 use super::planes::{Plane, Reflection};
-use crate::Pose;
+use crate::pose::Pose;
 
-/// Which reflections the filter knows (2021, section 3).
+/// The reflections of a model (2021, section 3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Model {
     /// (a): one wall.
@@ -15,6 +15,19 @@ pub enum Model {
 }
 
 /// All paths of a model, from the loudspeaker to the microphone above the robot's position.
+///
+/// ```
+/// use localizer::Pose;
+/// use localizer::multipath::planes::Plane;
+/// use localizer::multipath::prediction::{Model, Predictor};
+///
+/// // A wall at x = 4 m, loudspeaker and microphone at one height.
+/// let wall = Plane::new([1.0, 0.0, 0.0], -4.0).ok_or("no normal")?;
+/// let predictor = Predictor::new(&[wall], Model::Single, [0.3, 0.3], 340.0);
+/// let arrivals = predictor.predict(&Pose { x_m: 1.0, ..Pose::default() });
+/// assert!((arrivals[0].time_s - 6.0 / 340.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Predictor {
     paths: Vec<Path>,
@@ -178,10 +191,10 @@ mod tests {
         }
     }
 
-    /// A corner of two walls, 3 m long each, at (0, 0): a robot hears both and, through the apex, the corner by both orders; beyond
-    /// one wall's end it loses that wall alone, and behind both it hears nothing.
+    /// A corner of two walls, 3 m long each, at (0, 0): echoes of both walls and, through the apex, of the corner in
+    /// both orders; beyond one wall's end that wall's echo is missing, and behind both there is none.
     #[test]
-    fn finite_walls_are_heard_where_they_reflect() {
+    fn finite_walls_echo_where_they_reflect() {
         let walls = [
             Plane::wall([[0.0, 0.0], [3.0, 0.0]]).unwrap(),
             Plane::wall([[0.0, 3.0], [0.0, 0.0]]).unwrap(),

@@ -1,4 +1,4 @@
-//! What the paper leaves open, one choice each.
+//! Choices that the paper leaves open.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ pub enum TimeReference {
     Start,
 }
 
-/// What is done about the sound that reaches the microphone without any wall.
+/// Removal of the sound that reaches the microphone without a wall.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DirectWave {
@@ -41,15 +41,6 @@ pub enum DirectWave {
     FreeField,
 }
 
-/// What is assumed about the speed within a block.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MotionModel {
-    /// The mean of the odometry over the block, eq. (3).
-    #[default]
-    MeanSpeed,
-}
-
 /// How the motion model integrates one step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -61,7 +52,7 @@ pub enum Integration {
     Euler,
 }
 
-/// What stands for all directions in the range-only method.
+/// The intensity that stands for all directions in the range-only method.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ToaImage {

@@ -1,11 +1,11 @@
-//! What is known about a recording beside its samples: `recording.json`.
+//! The content of `recording.json`.
 
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, SignalParameters};
 use crate::pose::Pose;
 
-/// What `recording.json` tells about a recording.
+/// The content of `recording.json`: waveform, clocks and places of the sensors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingMeta {
@@ -28,10 +28,10 @@ pub struct RecordingMeta {
     /// Place of the microphone on the robot, `[forward, left]` in metres.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub microphone_offset_m: [f64; 2],
-    /// What the clock of `odometry.csv` showed at the first sample of the signal, in seconds.
+    /// Reading of the clock of `odometry.csv` at the first sample of the signal, in seconds.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub odometry_clock_s: f64,
-    /// What the clock of `truth.tum` showed at the first sample of the signal, in seconds.
+    /// Reading of the clock of `truth.tum` at the first sample of the signal, in seconds.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub truth_clock_s: f64,
     /// Where the recording comes from, in any form.
@@ -44,7 +44,29 @@ fn is_zero<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
+impl Parameters {
+    /// The same parameters with the waveform, the speed of sound and the sensor's place of a recording.
+    pub fn for_recording(&self, meta: &RecordingMeta) -> Self {
+        Self {
+            signal: meta.signal_parameters(),
+            ..self.clone()
+        }
+    }
+}
+
 impl RecordingMeta {
+    /// The parameters that the recording fixes.
+    pub fn signal_parameters(&self) -> SignalParameters {
+        SignalParameters {
+            sample_rate_hz: self.sample_rate_hz,
+            code_length: self.code_length,
+            chip_rate_hz: self.chip_rate_hz,
+            carrier_hz: self.carrier_hz,
+            speed_of_sound_mps: self.speed_of_sound_mps,
+            sensor_offset_m: self.sensor_offset_m(),
+        }
+    }
+
     /// The middle between loudspeaker and microphone on the robot.
     pub fn sensor_offset_m(&self) -> [f64; 2] {
         let (one, other) = (self.loudspeaker_offset_m, self.microphone_offset_m);
@@ -54,11 +76,11 @@ impl RecordingMeta {
     /// The waveform and the speed of sound of `parameters`, without start and provenance.
     pub fn from_parameters(parameters: &Parameters) -> Self {
         Self {
-            sample_rate_hz: parameters.sample_rate_hz,
-            code_length: parameters.code_length,
-            chip_rate_hz: parameters.chip_rate_hz,
-            carrier_hz: parameters.carrier_hz,
-            speed_of_sound_mps: parameters.speed_of_sound_mps,
+            sample_rate_hz: parameters.signal.sample_rate_hz,
+            code_length: parameters.signal.code_length,
+            chip_rate_hz: parameters.signal.chip_rate_hz,
+            carrier_hz: parameters.signal.carrier_hz,
+            speed_of_sound_mps: parameters.signal.speed_of_sound_mps,
             start: None,
             loudspeaker_offset_m: [0.0; 2],
             microphone_offset_m: [0.0; 2],

@@ -3,11 +3,11 @@
 use std::sync::LazyLock;
 
 use crate::signals::{Drive, localization_drive, mapping_drive, mean_error_m, record, room};
-use localizer::echoes::{EchoSequence, measure};
+use localizer::echo::{EchoSequence, measure};
+use localizer::image::map_image;
 use localizer::offline::localize;
-use localizer::{
-    DirectWave, Localizer, MapImage, Method, Odometry, Parameters, Pose, Recording, map_image,
-};
+use localizer::parameters::{FilterParameters, MeasurementParameters, SignalParameters};
+use localizer::{DirectWave, Localizer, MapImage, Method, Odometry, Parameters, Pose, Recording};
 
 struct Fixture {
     map: MapImage,
@@ -18,9 +18,18 @@ struct Fixture {
 
 fn parameters() -> Parameters {
     Parameters {
-        max_range_m: 4.3,
-        window_half_width_m: 3.0,
-        speed_of_sound_mps: 343.2,
+        signal: SignalParameters {
+            speed_of_sound_mps: 343.2,
+            ..SignalParameters::default()
+        },
+        measurement: MeasurementParameters {
+            max_range_m: 4.3,
+            ..MeasurementParameters::default()
+        },
+        filter: FilterParameters {
+            window_half_width_m: 3.0,
+            ..FilterParameters::default()
+        },
         ..Parameters::default()
     }
 }
@@ -61,8 +70,11 @@ fn doppler_follows_the_drive_where_odometry_drifts() {
     let start = drive.pose_at(0.0);
     let error = |method, likelihood_exponent| {
         let parameters = Parameters {
-            method,
-            likelihood_exponent,
+            filter: FilterParameters {
+                method,
+                likelihood_exponent,
+                ..parameters().filter
+            },
             ..parameters()
         };
         let seeds = 0..3;
@@ -94,14 +106,20 @@ fn streaming_and_offline_give_the_same_estimates() {
     let start = drive.pose_at(0.0);
     for periods in [1, 3, 6] {
         let parameters = Parameters {
-            periods,
-            direct_wave: DirectWave::GatedMean,
+            measurement: MeasurementParameters {
+                periods,
+                direct_wave: DirectWave::GatedMean,
+                ..parameters().measurement
+            },
             ..parameters()
         };
         let echoes = measure(&recording, &parameters).unwrap();
         for method in [Method::Doppler, Method::ToaOnly, Method::Odometry] {
             let parameters = Parameters {
-                method,
+                filter: FilterParameters {
+                    method,
+                    ..parameters.filter
+                },
                 ..parameters.clone()
             };
             let offline = localize(&echoes, map, &parameters, start, 7).unwrap();
@@ -197,28 +215,40 @@ fn inputs_that_do_not_fit_are_refused() {
     };
     assert!(
         message(Parameters {
-            cell_m: 0.05,
+            measurement: MeasurementParameters {
+                cell_m: 0.05,
+                ..parameters().measurement
+            },
             ..parameters()
         })
         .contains("cell")
     );
     assert!(
         message(Parameters {
-            periods: 4,
+            measurement: MeasurementParameters {
+                periods: 4,
+                ..parameters().measurement
+            },
             ..parameters()
         })
         .contains("measure the echoes")
     );
     assert!(
         message(Parameters {
-            max_range_m: 8.0,
+            measurement: MeasurementParameters {
+                max_range_m: 8.0,
+                ..parameters().measurement
+            },
             ..parameters()
         })
         .contains("measure the echoes")
     );
     assert!(
         message(Parameters {
-            particles: 0,
+            filter: FilterParameters {
+                particles: 0,
+                ..parameters().filter
+            },
             ..parameters()
         })
         .contains("particles")
@@ -235,7 +265,10 @@ fn inputs_that_do_not_fit_are_refused() {
             .contains("4 whole periods")
     );
     let other = Parameters {
-        carrier_hz: 9000.0,
+        signal: SignalParameters {
+            carrier_hz: 9000.0,
+            ..parameters().signal
+        },
         ..parameters()
     };
     assert!(

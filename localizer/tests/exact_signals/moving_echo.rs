@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use crate::signals::Transmitter;
-use localizer::doppler::DopplerBank;
+use localizer::echo::DopplerBank;
+use localizer::parameters::{FilterParameters, MeasurementParameters, SignalParameters};
 use localizer::{Parameters, TimeReference};
 use ndarray::Array2;
 
@@ -15,14 +16,14 @@ fn block_of_echo(
     range_m: f64,
     bearing: f64,
 ) -> Vec<f32> {
-    let length = parameters.periods * parameters.samples_per_period();
+    let length = parameters.measurement.periods * parameters.samples_per_period();
     let first = 3 * parameters.samples_per_period();
-    let centre_s = (first as f64 + 0.5 * length as f64) / parameters.sample_rate_hz;
+    let centre_s = (first as f64 + 0.5 * length as f64) / parameters.signal.sample_rate_hz;
     (0..length)
         .map(|k| {
-            let t_s = (first + k) as f64 / parameters.sample_rate_hz;
+            let t_s = (first + k) as f64 / parameters.signal.sample_rate_hz;
             let distance_m = range_m - v_mps * bearing.cos() * (t_s - centre_s);
-            source.value(t_s - 2.0 * distance_m / parameters.speed_of_sound_mps) as f32
+            source.value(t_s - 2.0 * distance_m / parameters.signal.speed_of_sound_mps) as f32
         })
         .collect()
 }
@@ -41,7 +42,7 @@ fn highest(parameters: &Parameters, intensity: &Array2<f32>) -> (usize, f64, f64
     let offset = 0.5 * (left - right) / (left - 2.0 * f64::from(value) + right);
     (
         direction,
-        parameters.range_of_delay_m(delay as f64 + offset),
+        parameters.signal.range_of_delay_m(delay as f64 + offset),
         f64::from(value),
     )
 }
@@ -55,7 +56,7 @@ fn check_echoes(parameters: &Parameters) {
     for v_mps in [0.1, 0.2, 0.4, -0.3] {
         for range_m in [0.3, 1.234, 2.5, 4.0] {
             for direction in [0, 1, 4, 9, 14, 15, 20, 26, 29] {
-                let bearing = PI * direction as f64 / parameters.directions as f64;
+                let bearing = PI * direction as f64 / parameters.measurement.directions as f64;
                 let block = block_of_echo(parameters, &source, v_mps, range_m, bearing);
                 bank.measure(&block, v_mps, &mut scratch, &mut intensity);
                 let (found, found_m, height) = highest(parameters, &intensity);
@@ -83,10 +84,16 @@ fn an_echo_lands_in_its_pixel_at_40_khz() {
 #[test]
 fn an_echo_lands_in_its_pixel_at_50_khz_in_warm_air_by_short_periods() {
     check_echoes(&Parameters {
-        sample_rate_hz: 50_000.0,
-        speed_of_sound_mps: 350.0,
-        code_length: 511,
-        periods: 12,
+        signal: SignalParameters {
+            sample_rate_hz: 50_000.0,
+            speed_of_sound_mps: 350.0,
+            code_length: 511,
+            ..SignalParameters::default()
+        },
+        measurement: MeasurementParameters {
+            periods: 12,
+            ..MeasurementParameters::default()
+        },
         ..Parameters::default()
     });
 }
@@ -94,7 +101,10 @@ fn an_echo_lands_in_its_pixel_at_50_khz_in_warm_air_by_short_periods() {
 #[test]
 fn the_start_reference_shifts_the_delay_to_the_blocks_start() {
     let parameters = Parameters {
-        time_reference: TimeReference::Start,
+        measurement: MeasurementParameters {
+            time_reference: TimeReference::Start,
+            ..MeasurementParameters::default()
+        },
         ..Parameters::default()
     };
     let source = Transmitter::new(&parameters);
@@ -104,7 +114,8 @@ fn the_start_reference_shifts_the_delay_to_the_blocks_start() {
     let block = block_of_echo(&parameters, &source, v_mps, range_m, 0.0);
     bank.measure(&block, v_mps, &mut bank.scratch(), &mut intensity);
     let (direction, found_m, _) = highest(&parameters, &intensity);
-    let at_start_m = range_m + v_mps * 0.5 * parameters.periods as f64 * parameters.period_s();
+    let at_start_m =
+        range_m + v_mps * 0.5 * parameters.measurement.periods as f64 * parameters.period_s();
     // All of the resampling's surplus lies at one end, where the block lacks samples: the neighbour may win.
     assert!(direction <= 1, "{direction}");
     assert!(
@@ -117,13 +128,21 @@ fn the_start_reference_shifts_the_delay_to_the_blocks_start() {
 fn the_bank_agrees_with_the_printed_sums() {
     // A short code keeps the naive double sums affordable.
     let parameters = Parameters {
-        code_length: 63,
-        speed_of_sound_mps: 336.0,
-        periods: 3,
-        directions: 7,
-        max_range_m: 1.0,
-        window_half_width_m: 0.5,
-        ..Parameters::default()
+        signal: SignalParameters {
+            code_length: 63,
+            speed_of_sound_mps: 336.0,
+            ..SignalParameters::default()
+        },
+        measurement: MeasurementParameters {
+            periods: 3,
+            directions: 7,
+            max_range_m: 1.0,
+            ..MeasurementParameters::default()
+        },
+        filter: FilterParameters {
+            window_half_width_m: 0.5,
+            ..FilterParameters::default()
+        },
     };
     let source = Transmitter::new(&parameters);
     let bank = DopplerBank::new(&parameters).unwrap();
@@ -131,7 +150,10 @@ fn the_bank_agrees_with_the_printed_sums() {
     let mut intensity = bank.intensity();
     for time_reference in [TimeReference::Centre, TimeReference::Start] {
         let parameters = Parameters {
-            time_reference,
+            measurement: MeasurementParameters {
+                time_reference,
+                ..parameters.measurement
+            },
             ..parameters.clone()
         };
         let bank = DopplerBank::new(&parameters).unwrap();

@@ -1,7 +1,8 @@
 //! Exact signals of a moving loudspeaker-microphone pair among plane walls, for the tests.
 
-use localizer::recording::{OdometrySample, RecordingMeta};
-use localizer::waveform::transmit_period;
+use localizer::odometry::OdometrySample;
+use localizer::recording::RecordingMeta;
+use localizer::signal::waveform::transmit_period;
 use localizer::{Parameters, Pose, Recording, Trajectory};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -17,7 +18,7 @@ pub(crate) struct Transmitter {
 
 impl Transmitter {
     pub(crate) fn new(parameters: &Parameters) -> Self {
-        let period = transmit_period(parameters);
+        let period = transmit_period(&parameters.signal);
         let length = period.len();
         let mut spectrum: Vec<Complex<f64>> = period
             .iter()
@@ -35,7 +36,7 @@ impl Transmitter {
             .process(&mut fine);
         Self {
             table: fine.iter().map(|value| value.re).collect(),
-            per_second: FINER as f64 * parameters.sample_rate_hz,
+            per_second: FINER as f64 * parameters.signal.sample_rate_hz,
         }
     }
 
@@ -114,7 +115,8 @@ pub(crate) fn room() -> Vec<Wall> {
         .into()
 }
 
-/// The recording of a drive among plane walls: one exact retarded echo of each, and a direct wave of the given amplitude.
+/// The recording of a drive among plane walls: one exact retarded echo of each, and a direct wave of the given
+/// amplitude.
 ///
 /// The odometry is the true one plus `drift_radps`.
 pub(crate) fn record(
@@ -125,14 +127,14 @@ pub(crate) fn record(
     drift_radps: f64,
 ) -> Recording {
     let transmitter = Transmitter::new(parameters);
-    let count = (drive.duration_s * parameters.sample_rate_hz) as usize;
-    let c = parameters.speed_of_sound_mps;
+    let count = (drive.duration_s * parameters.signal.sample_rate_hz) as usize;
+    let c = parameters.signal.speed_of_sound_mps;
     let direct_wave: Vec<f32> = (0..count)
-        .map(|k| (direct * transmitter.value(k as f64 / parameters.sample_rate_hz)) as f32)
+        .map(|k| (direct * transmitter.value(k as f64 / parameters.signal.sample_rate_hz)) as f32)
         .collect();
     let signal = (0..count)
         .map(|k| {
-            let t_s = k as f64 / parameters.sample_rate_hz;
+            let t_s = k as f64 / parameters.signal.sample_rate_hz;
             let here = drive.pose_at(t_s);
             let mut sum = f64::from(direct_wave[k]);
             for wall in walls {

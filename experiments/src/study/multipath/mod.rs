@@ -5,7 +5,7 @@ mod scene;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::{Context, Result};
-use localizer::dead_reckoning::dead_reckon;
+use localizer::filter::motion_model::dead_reckon;
 use localizer::multipath::arrivals;
 use localizer::multipath::ekf::{Noise, follow};
 use localizer::multipath::peaks::Picking;
@@ -142,7 +142,7 @@ struct Trial {
 
 /// One trial of all methods.
 fn run_trial(site: &Site, recording: &Recording) -> Result<Trial> {
-    let c_mps = site.parameters.speed_of_sound_mps;
+    let c_mps = site.parameters.signal.speed_of_sound_mps;
     let blocks = arrivals::measure(recording, &site.parameters, &PICKING, ROUND_TRIP_M)?;
     let start = recording.start_pose();
     let (mut gates, mut followed) = (Vec::new(), Vec::new());

@@ -3,11 +3,12 @@
 use anyhow::{Context, Result};
 use fdtd::rays::Reflectors;
 use fdtd::scene::Scene;
-use localizer::dead_reckoning::dead_reckon;
+use localizer::filter::motion_model::dead_reckon;
 use localizer::multipath::arrivals;
 use localizer::multipath::ekf::follow;
 use localizer::multipath::planes::Plane;
 use localizer::multipath::prediction::{Model, Predictor};
+use localizer::parameters::MeasurementParameters;
 use localizer::{Parameters, Pose, Trajectory};
 
 use super::{COLUMNS, Errors, GATE_M, PICKING, accuracy, errors, noise, write_path};
@@ -64,14 +65,17 @@ fn trajectory(result: &TrialResult) -> (Trajectory, Errors) {
 /// Runs both methods.
 pub(super) fn run(lab: &Laboratory) -> Result<MultipathScene> {
     let recording = lab.recording(&lab.take("localization", None), false)?;
-    let c_mps = lab.parameters.speed_of_sound_mps;
+    let c_mps = lab.parameters.signal.speed_of_sound_mps;
     let parameters = Parameters {
-        periods: 2,
-        // The noise level wants all delays of a period.
-        max_range_m: 0.48 * c_mps * lab.parameters.period_s(),
+        measurement: MeasurementParameters {
+            periods: 2,
+            // The noise level wants all delays of a period.
+            max_range_m: 0.48 * c_mps * lab.parameters.period_s(),
+            ..lab.parameters.measurement
+        },
         ..lab.parameters.clone()
     };
-    let nearest_m = 2.0 * parameters.min_range_m;
+    let nearest_m = 2.0 * parameters.measurement.min_range_m;
     let blocks = arrivals::measure(&recording, &parameters, &PICKING, [nearest_m, FARTHEST_M])?;
     // In the plane all heights are one.
     let predictor = Predictor::new(&planes(&lab.scene)?, Model::Planar, [0.0; 2], c_mps);

@@ -74,7 +74,7 @@ pub fn write(path: &Path, samples: &[f32], sample_rate_hz: f64) -> Result<(), Er
 /// Writes a mono 16-bit WAV file, as a 16-bit converter delivers it: the loudest sample at 0.9 of full scale.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_pcm16(path: &Path, samples: &[f32], sample_rate_hz: f64) -> Result<(), Error> {
     let peak = samples
         .iter()

@@ -100,7 +100,7 @@ mod tests {
     /// round trip (rectangular chips at 40 kHz).
     #[test]
     fn moving_walls_are_timed_and_the_direct_wave_is_not_picked() {
-        for (order, c) in [(10, 340.0), (10, 333.0), (11, 350.0)] {
+        for (order, c) in [(10, 340.0), (10, 333.0), (10, 350.0)] {
             check(order, c);
         }
     }

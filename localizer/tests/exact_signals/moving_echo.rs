@@ -82,17 +82,12 @@ fn an_echo_lands_in_its_pixel_at_40_khz() {
 }
 
 #[test]
-fn an_echo_lands_in_its_pixel_at_50_khz_in_warm_air_by_short_periods() {
+fn an_echo_lands_in_its_pixel_at_50_khz_in_warm_air() {
     check_echoes(&Parameters {
         signal: SignalParameters {
             sample_rate_hz: 50_000.0,
             speed_of_sound_mps: 350.0,
-            code_length: 511,
             ..SignalParameters::default()
-        },
-        measurement: MeasurementParameters {
-            periods: 12,
-            ..MeasurementParameters::default()
         },
         ..Parameters::default()
     });

@@ -5,10 +5,10 @@ mod rows;
 use self::rows::{absorb, d25_row, layered_row, m13_row, slf_row};
 use super::stencil::Splat;
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row, quieten};
+use crate::boundary::Reaction;
 use crate::pml::Profile;
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
-use crate::walls::Reaction;
 
 /// Cells of zero pressure around the grid, as many as the widest stencil reaches.
 const RIM: usize = 3;
@@ -39,7 +39,7 @@ impl ReferenceField {
             other: vec![0.0; padded],
             layer_x: vec![0.0; setup.ny * 6 * width],
             layer_y: vec![0.0; 2 * cells * 3 * setup.nx],
-            surfaces: vec![0.0; setup.walls.surface_count()],
+            surfaces: vec![0.0; setup.surfaces.memory_count()],
             layered: std::array::from_fn(|_| vec![0.0; setup.nx]),
             setup,
         }
@@ -150,7 +150,7 @@ impl ReferenceField {
                 }
                 next[correction.ix] += sum;
             }
-            for surface in &self.setup.walls.surfaces[iy] {
+            for surface in self.setup.surfaces.of_row(iy) {
                 let own = surface.memory..surface.memory + surface.memory_count();
                 let memory = &mut self.surfaces[own];
                 let mut sum = match surface.reaction {
@@ -172,7 +172,7 @@ impl ReferenceField {
                 for correction in &self.setup.walls.corrections[iy] {
                     quieten(&mut next[correction.ix..=correction.ix]);
                 }
-                for surface in &self.setup.walls.surfaces[iy] {
+                for surface in self.setup.surfaces.of_row(iy) {
                     let own = surface.memory..surface.memory + surface.memory_count();
                     quieten(&mut self.surfaces[own]);
                     for &(ix, _) in &surface.gains {

@@ -56,7 +56,7 @@ fn the_reflection_factor_is_that_of_the_branches() {
 fn nothing_but_resistance_is_the_real_impedance() {
     let setup = |impedance: Impedance| {
         let rig = slanted_room(Scheme::O13, 120, WallModel::CutCells, Some(impedance));
-        FieldSetup::new(&rig.grid(), &AIR, rig.scheme, 0, &rig.walls).walls
+        FieldSetup::new(&rig.grid(), &AIR, rig.scheme, 0, &rig.walls).surfaces
     };
     let real = setup(Impedance::Real(321.0));
     let alone = vec![Branch::resistance(321.0)];
@@ -64,8 +64,8 @@ fn nothing_but_resistance_is_the_real_impedance() {
     // In parallel they are one; 428 and 1284 are 321.
     let two = [428.0, 1284.0].map(Branch::resistance).to_vec();
     assert_eq!(
-        real.surface_count(),
-        setup(Impedance::Branches(two)).surface_count()
+        real.memory_count(),
+        setup(Impedance::Branches(two)).memory_count()
     );
 }
 

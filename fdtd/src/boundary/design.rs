@@ -29,7 +29,7 @@ use super::column::Column;
 use super::passivity::least_masses;
 use super::piece::{Piece, Reach};
 use super::slanted_kernel::SlantedKernel;
-use super::surface::{Reaction, Surface};
+use super::surface::{Reaction, Surface, Surfaces};
 use crate::grid::{Grid, Medium};
 use crate::scheme::Scheme;
 use crate::walls::operator::WallOperator;
@@ -38,18 +38,18 @@ use crate::walls::{Load, WallCells};
 use std::collections::BTreeMap;
 
 /// The surfaces of walls of an impedance, by row of `grid`, for a field in `medium` with `scheme` whose rigid
-/// operator is `operator`. Empty rows, at no cost, when all walls are rigid.
+/// operator is `operator`. None, at no cost, when all walls are rigid.
 pub fn surfaces(
     walls: &WallCells,
     operator: &WallOperator,
     grid: &Grid,
     medium: &Medium,
     scheme: Scheme,
-) -> Vec<Vec<Surface>> {
-    let mut rows = vec![Vec::new(); walls.size()[1]];
+) -> Surfaces {
     if walls.loads().is_empty() {
-        return rows;
+        return Surfaces::default();
     }
+    let mut rows = vec![Vec::new(); walls.size()[1]];
     let courant = grid.courant(medium);
     let (polynomial, weights) = (&scheme.polynomial(courant), &scheme.weights(courant));
     let (radius, dt_s) = (scheme.radius(), grid.dt_s);
@@ -114,7 +114,7 @@ pub fn surfaces(
             rows[iy].push(surface);
         }
     }
-    rows
+    Surfaces::new(rows)
 }
 
 /// Weights of a piece of surface by the slope of its wall.

@@ -29,4 +29,4 @@ mod surface;
 
 pub use branches::Branches;
 pub use design::surfaces;
-pub use surface::{Reaction, Surface};
+pub use surface::{Reaction, Surface, Surfaces};

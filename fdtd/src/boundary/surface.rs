@@ -17,6 +17,36 @@ pub struct Surface {
     pub memory: usize,
 }
 
+/// All surfaces of an impedance of a grid.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Surfaces {
+    /// By row of the grid; no rows when all walls are rigid.
+    rows: Vec<Vec<Surface>>,
+}
+
+impl Surfaces {
+    /// From the surfaces of each row.
+    pub(super) fn new(rows: Vec<Vec<Surface>>) -> Self {
+        Self { rows }
+    }
+
+    /// The surfaces by row of the grid; no rows when all walls are rigid.
+    pub fn rows(&self) -> &[Vec<Surface>] {
+        &self.rows
+    }
+
+    /// The surfaces of a row.
+    pub fn of_row(&self, iy: usize) -> &[Surface] {
+        self.rows.get(iy).map_or(&[], Vec::as_slice)
+    }
+
+    /// Length of the field's memory of all of them.
+    pub fn memory_count(&self) -> usize {
+        let surfaces = self.rows.iter().flatten();
+        surfaces.map(Surface::memory_count).sum()
+    }
+}
+
 /// Update of the velocity of a surface from step to step.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reaction {

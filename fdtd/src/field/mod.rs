@@ -23,7 +23,7 @@ mod stencil;
 pub use fast::FastField;
 pub use reference::{PreciseField, ReferenceField};
 
-use crate::boundary::surfaces;
+use crate::boundary::{Surfaces, surfaces};
 use crate::grid::{Grid, Medium};
 use crate::number::Real;
 use crate::pml::Profile;
@@ -45,8 +45,10 @@ pub struct FieldSetup {
     pub weights: Weights,
     /// The absorbing layer on all four sides; zero cells for none (then the edge is pressure-free).
     pub layer: Profile,
-    /// Walls.
+    /// The operator near rigid walls.
     pub walls: WallOperator,
+    /// Surfaces of walls of an impedance.
+    pub surfaces: Surfaces,
 }
 
 impl FieldSetup {
@@ -78,16 +80,14 @@ impl FieldSetup {
         );
         let weights = scheme.weights(courant);
         let polynomial = scheme.polynomial(courant);
-        let mut operator = WallOperator::new(walls, &weights, &polynomial, scheme.radius());
-        if !walls.loads().is_empty() {
-            operator.surfaces = surfaces(walls, &operator, grid, medium, scheme);
-        }
+        let operator = WallOperator::new(walls, &weights, &polynomial, scheme.radius());
         Self {
             nx: grid.nx,
             ny: grid.ny,
             scheme,
             weights,
             layer: Profile::new(layer_cells, courant),
+            surfaces: surfaces(walls, &operator, grid, medium, scheme),
             walls: operator,
         }
     }

@@ -5,11 +5,11 @@ mod rows;
 use self::rows::{absorb, d25_row, layered_row, m13_row, slf_row};
 use super::stencil::Splat;
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row, quieten};
+use crate::boundary::Reaction;
 use crate::number::Real;
 use crate::pml::Profile;
 use crate::scheme::{RESTORING_QUANTUM, Scheme};
 use crate::spread::TAPS;
-use crate::walls::Reaction;
 
 /// Cells of zero pressure around the grid, as many as the widest stencil reaches.
 const RIM: usize = 3;
@@ -40,7 +40,7 @@ impl<N: Real> PlainField<N> {
             other: vec![N::default(); padded],
             layer_x: vec![N::default(); setup.ny * 6 * width],
             layer_y: vec![N::default(); 2 * cells * 3 * setup.nx],
-            surfaces: vec![N::default(); setup.walls.surface_count()],
+            surfaces: vec![N::default(); setup.surfaces.memory_count()],
             layered: std::array::from_fn(|_| vec![N::default(); setup.nx]),
             setup,
         }
@@ -151,7 +151,7 @@ impl<N: Real> PlainField<N> {
                 }
                 next[correction.ix] = next[correction.ix].add(sum);
             }
-            for surface in &self.setup.walls.surfaces[iy] {
+            for surface in self.setup.surfaces.of_row(iy) {
                 let own = surface.memory..surface.memory + surface.memory_count();
                 let memory = &mut self.surfaces[own];
                 let mut sum = match surface.reaction {
@@ -173,7 +173,7 @@ impl<N: Real> PlainField<N> {
                 for correction in &self.setup.walls.corrections[iy] {
                     quieten(&mut next[correction.ix..=correction.ix]);
                 }
-                for surface in &self.setup.walls.surfaces[iy] {
+                for surface in self.setup.surfaces.of_row(iy) {
                     let own = surface.memory..surface.memory + surface.memory_count();
                     quieten(&mut self.surfaces[own]);
                     for &(ix, _) in &surface.gains {

@@ -27,8 +27,6 @@ mod staircase;
 mod wall;
 mod wall_cells;
 
-// The engines import these from here.
-pub use crate::boundary::{Reaction, Surface};
 pub use crate::impedance::{Branch, Impedance};
 pub use cut_cells::cut;
 pub use load::Load;

@@ -10,7 +10,6 @@
 use super::patch::{Patch, REACH, Values, WIDTH};
 use super::rasterize::SolidMask;
 use super::wall_cells::WallCells;
-use crate::boundary::Surface;
 use crate::scheme::{Polynomial, Weights};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -34,13 +33,11 @@ pub struct WallOperator {
     pub corrections: Vec<Vec<Correction>>,
     /// Columns of the solid cells by row, in increasing order.
     pub solid: Vec<Vec<usize>>,
-    /// Surfaces of an impedance ([`crate::boundary::surfaces`]) by row of the cells that they take their flow from.
-    pub surfaces: Vec<Vec<Surface>>,
 }
 
 impl WallOperator {
     /// The rows near `walls` for a scheme with `weights`, the rounded ones of `polynomial`, and stencil `radius` (1
-    /// to 3). Without surfaces of an impedance.
+    /// to 3).
     pub fn new(
         walls: &WallCells,
         weights: &Weights,
@@ -55,7 +52,6 @@ impl WallOperator {
         let mut operator = Self {
             corrections: vec![Vec::new(); ny],
             solid: vec![Vec::new(); ny],
-            surfaces: vec![Vec::new(); ny],
         };
         for iy in 0..ny {
             for ix in 0..nx {
@@ -115,12 +111,6 @@ impl WallOperator {
         let first = solid.partition_point(|&ix| ix < columns.start);
         let count = solid[first..].partition_point(|&ix| ix < columns.end);
         &solid[first..first + count]
-    }
-
-    /// Length of the field's memory of surfaces.
-    pub fn surface_count(&self) -> usize {
-        let surfaces = self.surfaces.iter().flatten();
-        surfaces.map(Surface::memory_count).sum()
     }
 
     /// Number of cells with a correction, and of entries in all.

@@ -59,7 +59,7 @@ fn nothing_but_resistance_is_the_real_impedance() {
         let setting = Setting::before_surfaces(scheme, "branches", "resistance");
         let rig = slanted_room(&setting, scheme, 120, model, Some(impedance));
         let medium = &rig.conditions().medium;
-        FieldSetup::new(&rig.grid(), medium, rig.scheme, 0, &rig.walls).walls
+        FieldSetup::new(&rig.grid(), medium, rig.scheme, 0, &rig.walls).surfaces
     };
     let real = setup(Impedance::Real(321.0));
     let alone = vec![Branch::resistance(321.0)];
@@ -67,8 +67,8 @@ fn nothing_but_resistance_is_the_real_impedance() {
     // In parallel they are one; 428 and 1284 are 321.
     let two = [428.0, 1284.0].map(Branch::resistance).to_vec();
     assert_eq!(
-        real.surface_count(),
-        setup(Impedance::Branches(two)).surface_count()
+        real.memory_count(),
+        setup(Impedance::Branches(two)).memory_count()
     );
 }
 

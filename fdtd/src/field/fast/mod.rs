@@ -146,7 +146,7 @@ impl FastField {
             other: Level::silent(numbers, 32),
             layer_x: Level::silent(plan.setup.ny * plan.memory_x.stride(), 0),
             layer_y: Level::silent(plan.memory_y.len(), 0),
-            surfaces: vec![0.0; plan.setup.walls.surface_count()],
+            surfaces: vec![0.0; plan.setup.surfaces.memory_count()],
             plan: Arc::new(plan),
             team: Team::new(threads),
             threads,
@@ -205,7 +205,7 @@ impl Plan {
             row_decay: (0..setup.ny)
                 .map(|iy| setup.layer.row(setup.ny, iy))
                 .collect(),
-            walls: Walls::new(&setup.walls, &layout),
+            walls: Walls::new(&setup.walls, &setup.surfaces, &layout),
             layout,
             instructions: machine.instructions,
             setup,

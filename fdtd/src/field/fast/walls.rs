@@ -6,8 +6,8 @@
 use std::ops::Range;
 
 use super::layout::RowLayout;
+use crate::boundary::{Reaction, Surface, Surfaces};
 use crate::walls::operator::WallOperator;
-use crate::walls::{Reaction, Surface};
 
 /// What walls change.
 #[derive(Debug)]
@@ -39,7 +39,7 @@ pub(super) struct Corrections {
     entries: Vec<(i32, f32)>,
 }
 
-/// A surface that is not rigid, as [`crate::walls::Surface`] has it.
+/// A surface that is not rigid, as [`Surface`] has it.
 #[derive(Debug)]
 pub(super) struct RowSurface {
     /// `(offset from the row's start, weight)`.
@@ -91,7 +91,7 @@ impl Walls {
     }
 
     /// Those of `walls` in rows of `layout`.
-    pub(super) fn new(walls: &WallOperator, layout: &RowLayout) -> Self {
+    pub(super) fn new(walls: &WallOperator, surfaces: &Surfaces, layout: &RowLayout) -> Self {
         let row_at = |iy: usize| (iy + layout.halo) * layout.stride;
         let offset =
             |dy: isize, ix: usize| (dy * layout.stride as isize) as i32 + layout.offset(ix) as i32;
@@ -141,8 +141,7 @@ impl Walls {
         Self {
             corrections: corrections.collect(),
             solid,
-            surfaces: (walls.surfaces.iter())
-                .filter(|_| walls.surface_count() > 0)
+            surfaces: (surfaces.rows().iter())
                 .map(|row| row.iter().map(surface).collect())
                 .collect(),
         }

@@ -238,7 +238,7 @@ impl Simulation {
                 (first..end).map(|step| self.drive.forcing(step)).collect();
             self.field.advance(&steps, &mut self.heard);
             self.watch.follow(&steps);
-            self.check_finite(first)?;
+            self.check_samples(first)?;
             if due || self.step() == steps_total {
                 self.look_at_field(before.as_ref())?;
             }
@@ -259,14 +259,21 @@ impl Simulation {
         Ok(Outcome::Finished)
     }
 
-    fn check_finite(&mut self, first: u64) -> Result<(), Error> {
+    /// Looks at the field at once where samples of it, or the microphone, have what the source cannot have made.
+    fn check_samples(&mut self, first: u64) -> Result<(), Error> {
         let last = self.drive_step();
         let heard = &self.heard[self.heard.len() - (last - first) as usize..];
         let sampled = (0..4).all(|k| {
             self.field
                 .row_is_finite((last / CHUNK) as usize * 4 + k * 251)
         });
-        if sampled && heard.iter().all(|p| p.is_finite()) {
+        let window = self.plan.pieces[self.piece].window;
+        let most = self.watch.most(last, window.nx * window.ny);
+        if sampled
+            && heard
+                .iter()
+                .all(|p| p.is_finite() && f64::from(p.abs()) <= most)
+        {
             return Ok(());
         }
         self.look_at_field(None)

@@ -1,7 +1,8 @@
 //! A run watches itself: what no source can have made ends it.
 //!
 //! The scheme is stable for every step that a scene may have (`docs/theory/stability.md`), so that this is for what nobody thought of: a defect of the
-//! solver, of the machine, or a domain put together by hand. Two things are looked at, some ten times in a second of sound. *Pressure*: of
+//! solver, of the machine, or a domain put together by hand. Two things are looked at, some ten times in a second of sound, and what the microphone
+//! receives at every call of the observer. *Pressure*: of
 //! the source's strength `q` one step adds at most `A = rho c^2 dt |q| / (2 dx^2)` to a cell; near the source the pressure stays within a few times that, and
 //! where it meets nothing but rigid walls and a resonance, it grows by `4 rho c^2 / S` times the integral of `|q|` at most, `S` being the area of the
 //! air. *Energy*: while the source is silent it must not grow; it is the invariant of the leapfrog step,
@@ -66,6 +67,15 @@ impl Watch {
         [due, due && self.silent]
     }
 
+    /// Pressure that the source can have made in so many steps with so many cells of air, Pa; without end while it has made no sound, for a field
+    /// may be given a pressure to start with.
+    pub(super) fn most(&self, steps: u64, cells: usize) -> f64 {
+        if self.loudest == 0.0 {
+            return f64::INFINITY;
+        }
+        self.loudest * (NEAR + 8.0 * steps as f64 / cells as f64)
+    }
+
     /// Looks at a field at `step`, and at its energy when `before` is the field a step earlier.
     ///
     /// # Errors
@@ -78,9 +88,9 @@ impl Watch {
         sight: &Sight<'_>,
     ) -> Result<(), Error> {
         let cells = sight.window.nx * sight.window.ny;
-        let most = self.loudest * (NEAR + 8.0 * sight.steps as f64 / cells as f64);
+        let most = self.most(sight.steps, cells);
         let (cell, peak) = peak(&now.pressure);
-        if !peak.is_finite() || (self.loudest > 0.0 && f64::from(peak) > most) {
+        if !peak.is_finite() || f64::from(peak) > most {
             let cause =
                 format!("{peak:e} Pa, where the source can have made {most:.3e} Pa at most");
             return Err(sight.unstable(cell, cause));
@@ -88,7 +98,7 @@ impl Watch {
         if let Some(before) = before {
             let energy = energy(before, &now.pressure);
             let first = *self.first.get_or_insert(energy);
-            let floor = (FLOOR * most).powi(2) * cells as f64;
+            let floor = (FLOOR * self.loudest).powi(2) * cells as f64;
             if energy > GROWTH * first.max(floor) {
                 let cause = format!(
                     "the energy has grown {:.3e} times while the source was silent",
@@ -146,50 +156,13 @@ fn energy(before: &FieldState, next: &[f32]) -> f64 {
 mod tests {
     use super::super::{Drive, Flow, Simulation, SimulationOptions};
     use super::*;
-    use crate::field::{Field, FieldSetup, ReferenceField};
+    use crate::field::{FastField, FieldSetup};
     use crate::grid::{Grid, Medium};
-    use crate::scheme::Scheme;
+    use crate::scheme::{RESTORING_QUANTUM, Scheme};
     use crate::spread::Spread;
     use crate::walls::WallCells;
 
     const SIDE: usize = 64;
-
-    /// A field in which one cell grows by a factor each time that it is advanced.
-    struct Sick {
-        field: ReferenceField,
-        cell: usize,
-        factor: f32,
-    }
-
-    impl Field for Sick {
-        fn advance(&mut self, steps: &[StepForcing], received: &mut Vec<f32>) {
-            let first = received.len();
-            self.field.advance(steps, received);
-            let mut state = self.field.state();
-            for level in [&mut state.pressure, &mut state.previous] {
-                level[self.cell] = (level[self.cell].abs() + 1e-3) * self.factor;
-            }
-            self.field.set_state(&state);
-            // The microphone does not hear it.
-            received[first..].fill(0.0);
-        }
-
-        fn preferred_block(&self) -> usize {
-            8
-        }
-
-        fn state(&self) -> FieldState {
-            self.field.state()
-        }
-
-        fn set_state(&mut self, state: &FieldState) {
-            self.field.set_state(state);
-        }
-
-        fn row_is_finite(&self, turn: usize) -> bool {
-            self.field.row_is_finite(turn)
-        }
-    }
 
     fn simulation(c_mps: f64, sounds_s: f64) -> Simulation {
         let domain = Domain {
@@ -230,45 +203,78 @@ mod tests {
         Simulation::from_parts(domain, drive, 1.0, 40e3, 14e3, &options).expect("it fits")
     }
 
-    fn sick(mut simulation: Simulation, cell: [usize; 2], factor: f32) -> Error {
+    /// Runs a simulation whose step has a negative stiffness of so many quanta: its constant mode grows.
+    fn sick(mut simulation: Simulation, quanta: f32) -> Error {
         let domain = simulation.domain();
-        let setup = FieldSetup::new(
+        let mut setup = FieldSetup::new(
             &domain.grid,
             &domain.medium,
             domain.scheme,
             domain.layer_cells,
             &domain.walls,
         );
-        simulation.field = Box::new(Sick {
-            field: ReferenceField::new(setup),
-            cell: cell[1] * SIDE + cell[0],
-            factor,
-        });
+        setup.weights.centre += quanta * RESTORING_QUANTUM;
+        simulation.field = Box::new(FastField::new(setup, 1));
         let outcome = simulation.run(&mut |_, _| Flow::Continue);
         outcome.expect_err("no source can have made it")
     }
 
     #[test]
-    fn a_pressure_beyond_the_source_ends_the_run_with_time_and_place() {
-        let error = sick(simulation(343.2, f64::INFINITY), [3, 40], 1.5);
-        let Error::Unstable {
-            time_s,
-            place_m,
-            in_layer,
-            ..
-        } = &error
-        else {
-            panic!("{error}");
+    fn a_pressure_beyond_the_source_is_told_with_time_and_place() {
+        let simulation = simulation(343.2, f64::INFINITY);
+        let sight = Sight {
+            domain: simulation.domain(),
+            window: Window::whole(simulation.domain()),
+            origin_m: [1.0, 2.0],
+            steps: 60_000,
         };
-        assert!(*in_layer && *time_s < 0.3, "{error}");
-        let away = (place_m[0] - 3.5 * 0.005).hypot(place_m[1] - 40.5 * 0.005);
-        assert!(away < 0.03, "{error}");
-        assert!(error.to_string().contains("in the absorbing layer"));
+        let mut watch = Watch::default();
+        watch.note(20.0);
+        let mut state = simulation.field.state();
+        state.pressure[40 * SIDE + 3] = 300.0;
+        assert!(
+            watch.look(1, None, &state, &sight).is_ok(),
+            "an echo may be so loud"
+        );
+        for pressure in [-1e6, f32::INFINITY, f32::NAN] {
+            state.pressure[40 * SIDE + 3] = pressure;
+            let error = watch
+                .look(2, None, &state, &sight)
+                .expect_err("far too much");
+            let Error::Unstable {
+                time_s,
+                place_m,
+                in_layer,
+                ..
+            } = error
+            else {
+                panic!("{error}");
+            };
+            assert!(in_layer && (time_s - 0.5).abs() < 1e-12);
+            let away = (place_m[0] - 1.0 - 3.5 * 0.005).hypot(place_m[1] - 2.0 - 40.5 * 0.005);
+            assert!(away < 1e-9, "{place_m:?}");
+        }
+    }
+
+    #[test]
+    fn a_growing_field_ends_the_run_long_before_it_overflows() {
+        for (c_mps, quanta) in [(333.0, 500.0), (343.2, 5000.0), (350.0, 2000.0)] {
+            let error = sick(simulation(c_mps, f64::INFINITY), quanta);
+            let text = error.to_string();
+            assert!(text.contains("the source can have made"), "{text}");
+            let Error::Unstable { cause, .. } = error else {
+                panic!("{text}");
+            };
+            assert!(
+                !cause.starts_with("inf") && !cause.starts_with("NaN"),
+                "{cause}"
+            );
+        }
     }
 
     #[test]
     fn energy_that_grows_in_silence_ends_the_run_though_it_is_small() {
-        let error = sick(simulation(338.0, 0.05), [30, 30], 1.02);
+        let error = sick(simulation(338.0, 0.05), 60.0);
         assert!(error.to_string().contains("source was silent"), "{error}");
     }
 

@@ -1,10 +1,10 @@
 //! The sound field of a scene shortly after a click of the robot at rest.
 
 use anyhow::Result;
-use fdtd::exact::burst::Burst;
 use fdtd::motion::{DrivePath, MotionState};
 use fdtd::scene::Scene;
 use fdtd::simulation::{Flow, Simulation, SimulationOptions};
+use oracles::exact::burst::Burst;
 
 /// Carrier and bandwidth of the click, Hz: wave fronts of 7 cm that the eye can follow.
 const BURST_HZ: [f64; 2] = [5e3, 1.8e3];

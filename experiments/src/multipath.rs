@@ -4,8 +4,6 @@
 //! picture only: size, drive, heights, reflection factor, noise and slip below are assumptions.
 
 use anyhow::{Context, Result};
-use fdtd::image_source::ImageSourceOptions;
-use fdtd::image_source::room::{Room, RoomPair, synthesize};
 use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState};
 use fdtd::waveform::PeriodicWaveform;
 use localizer::multipath::planes::Plane;
@@ -14,6 +12,8 @@ use localizer::parameters::MeasurementParameters;
 use localizer::random::{stream, trial_seed};
 use localizer::recording::RecordingMeta;
 use localizer::{DirectWave, Parameters, Pose, Recording, Trajectory};
+use oracles::image_source::ImageSourceOptions;
+use oracles::image_source::room::{Room, RoomPair, synthesize};
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::cache::{Cache, Key, hash_of_samples};

@@ -210,9 +210,9 @@ fn source_files_that_documents_name_exist() {
     for file in documents() {
         for (line, text) in prose(&read(&file)) {
             for name in text.split('`').skip(1).step_by(2) {
-                let of_source = ["fdtd/src/", "localizer/src/", "experiments/src/"];
+                let of_source = ["fdtd/", "oracles/", "localizer/", "experiments/"];
                 if of_source.iter().any(|start| name.starts_with(start))
-                    && !name.contains(['{', '*', ':'])
+                    && !name.contains(['{', '*', ':', '<'])
                     && !name.contains("my_")
                     && !root().join(name).exists()
                 {

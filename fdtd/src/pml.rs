@@ -13,8 +13,9 @@
 /// Reflection-controlling strength of the profile at the outer edge, in units of `c/dx`: 2.65e5 1/s at 5 mm, 340 m/s.
 const SIGMA_MAX: f64 = 2.65e5 * 0.005 / 340.0;
 
-/// Frequency shift `alpha` of the stretching in units of `c/dx`: a layer of 20 cells absorbs waves of 1500 cells and less as without it.
-pub(crate) const ALPHA: f64 = 4e-3;
+/// Frequency shift `alpha` of the stretching in units of `c/dx`: a layer of 20 cells absorbs waves of 1500 cells and
+/// less as without it. The recursions of the layer forget with the time constant `dx / (ALPHA c)`.
+pub const ALPHA: f64 = 4e-3;
 
 /// Widths along x are rounded up to whole vectors of this many cells; the added cells do not absorb.
 const VECTOR: usize = 8;

@@ -46,6 +46,15 @@ const GAUSSIAN_SIGMA_CELLS: f64 = 0.8;
 const GAUSSIAN_REACH: usize = 4;
 
 /// How a point between cell centres is spread or interpolated, the same along x and y.
+///
+/// ```
+/// use fdtd::spread::Spread;
+///
+/// let stencil = Spread::Bilinear.stencil([20.25, 30.5]);
+/// let cells = |weights: [f32; 12]| weights.into_iter().filter(|&weight| weight != 0.0).collect::<Vec<_>>();
+/// assert_eq!(cells(stencil.wx), [0.75, 0.25]);
+/// assert_eq!(cells(stencil.wy), [0.5, 0.5]);
+/// ```
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
 )]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Result, bail};
-use fdtd::validation::{Depth, LAWS, Law};
+use oracles::laws::{Depth, LAWS, Law};
 
 use super::output::{print, print_json};
 use crate::check::CheckFailed;

@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
-use fdtd::image_source::{self, DrivingPair, ImageSourceOptions};
 use fdtd::scene::Scene;
 use fdtd::simulation::{Flow, Outcome, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
 use fdtd::waveform::PeriodicWaveform;
 use localizer::Parameters;
 use localizer::parameters::SignalParameters;
+use oracles::image_source::{self, DrivingPair, ImageSourceOptions};
 
 use crate::figures::{self, snapshot::Frame};
 use crate::interrupt::{self, Interrupted};

@@ -1,12 +1,12 @@
 //! Reflected intensity over time beside the distances of ray theory (Fig. 8).
 
 use anyhow::{Context, Result};
-use fdtd::rays::{RayKind, Reflectors, TraceOptions, trace};
 use fdtd::walls::Wall;
 use localizer::echo;
 use localizer::parameters::MeasurementParameters;
 use localizer::{Parameters, ToaImage};
 use ndarray::Array2;
+use oracles::rays::{RayKind, Reflectors, TraceOptions, trace};
 
 use crate::atomic;
 use crate::laboratory::Laboratory;

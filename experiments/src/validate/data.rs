@@ -5,9 +5,9 @@ use std::path::Path;
 
 use anyhow::Result;
 use fdtd::scheme::Scheme;
-use fdtd::validation::conditions::Conditions;
-use fdtd::validation::setting::Setting;
-use fdtd::validation::{Depth, dispersion, scene_echoes};
+use oracles::laws::conditions::Conditions;
+use oracles::laws::setting::Setting;
+use oracles::laws::{Depth, dispersion, scene_echoes};
 
 use crate::table::{Table, cell};
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use fdtd::validation::{Depth, Measurement};
+use oracles::laws::{Depth, Measurement};
 
 use crate::atomic;
 use crate::cache::Key;

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use anyhow::Result;
-use fdtd::validation::{Depth, Law, Measurement};
+use oracles::laws::{Depth, Law, Measurement};
 use rayon::prelude::*;
 use serde::Serialize;
 

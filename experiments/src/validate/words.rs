@@ -1,6 +1,6 @@
 //! Measurements of laws in words: the whole table, and one line per law.
 
-use fdtd::validation::{LAWS, Measurement};
+use oracles::laws::{LAWS, Measurement};
 
 use super::Row;
 use crate::check::aligned;

@@ -218,7 +218,7 @@ impl ReferenceField {
 }
 
 /// The plain engine in `f64` with the weights as they are in `f32`: the discrete operator without the roundings of a step. Its growth or
-/// decay over silence tells the spectrum of what both engines take ([`crate::validation`]).
+/// decay over silence tells the spectrum of what both engines take.
 #[derive(Debug, Clone)]
 pub struct PreciseField(PlainField<f64>);
 

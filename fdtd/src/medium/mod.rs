@@ -27,6 +27,15 @@ pub const HUMIDITIES_PERCENT: [f64; 2] = [0.0, 100.0];
 pub const PRESSURES_PA: [f64; 2] = [60e3, 110e3];
 
 /// Air at rest by its weather.
+///
+/// ```
+/// use fdtd::medium::{Air, STANDARD_PRESSURE_PA};
+///
+/// let air = Air { temperature_degc: 20.0, relative_humidity_percent: 0.0, pressure_pa: STANDARD_PRESSURE_PA };
+/// let medium = air.medium();
+/// assert!((medium.c_mps - 343.4).abs() < 0.1);
+/// assert!((medium.rho_kgpm3 - 1.204).abs() < 0.001);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Air {
     /// Temperature in degC.

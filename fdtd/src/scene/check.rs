@@ -6,8 +6,6 @@ use crate::grid::Grid;
 
 /// What a cell of the field takes at the very least: two time levels, the next one and the layer's share, as `f32`.
 const BYTES_PER_CELL: u64 = 16;
-/// What a scheme must leave a wall of an impedance: with less, its surface gets more mass than the air before it has.
-pub(crate) const LEAST_SPARE: f64 = 1.0;
 /// Most cells along one axis; positions in cells stay exact in `f32`.
 const MAX_CELLS: usize = 1 << 20;
 
@@ -223,7 +221,7 @@ impl Checker<'_> {
         };
         let enough = |part: f64| {
             let polynomial = scheme.polynomial(part * grid.courant(medium));
-            polynomial.spare() >= LEAST_SPARE
+            polynomial.allows_impedance()
         };
         if enough(1.0) {
             return Ok(());

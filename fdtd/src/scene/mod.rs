@@ -1,6 +1,6 @@
 //! A scene: medium, grid, walls, waveform, robot and its drives, read from JSON and checked once.
 
-pub(crate) mod check;
+mod check;
 mod clearance;
 mod file;
 mod locate;
@@ -29,6 +29,23 @@ pub const MIN_WALL_CELLS: f64 = 2.0;
 /// Everything that determines a sound field but the choice of the drive.
 ///
 /// A scene from [`Scene::load`] or [`Scene::from_json`] has passed [`Scene::check`]; after changing a field, check again.
+///
+/// ```
+/// use fdtd::scene::Scene;
+///
+/// let text = r#"{
+///     "name": "one wall",
+///     "grid": { "nx": 300, "ny": 200, "dx_m": 0.005, "dt_s": 8e-6 },
+///     "walls": [{ "points_m": [[0.3, 0.7], [1.2, 0.7]], "thickness_m": 0.02 }]
+/// }"#;
+/// let scene = Scene::from_json(text, "wall.json".as_ref())?;
+/// assert_eq!(scene.medium.c_mps, 340.0);
+/// assert!(scene.grid.dt_s < scene.largest_stable_step_s());
+///
+/// let error = Scene::from_json(&text.replace("8e-6", "8e-5"), "wall.json".as_ref()).unwrap_err();
+/// assert!(error.to_string().starts_with("wall.json: grid.dt_s"));
+/// # Ok::<(), fdtd::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// Short name, for titles.

@@ -2,6 +2,8 @@
 
 /// What is left of the bound of 4, so that rounding the coefficients does not matter.
 const ROUNDING: f64 = 1e-3;
+/// What must be left for a wall of an impedance: with less, its surface gets more mass than the air before it has.
+const LEAST_SPARE: f64 = 1.0;
 
 /// Coefficients of the polynomial in the second differences `A` and `B` (see [`super`]) that one step adds to
 /// `2 p^n - p^{n-1}`.
@@ -104,5 +106,10 @@ impl Polynomial {
     /// The first number of [`Self::slack`]: the spring that may be added to minus the operator in every cell, whatever the field.
     pub fn spare(&self) -> f64 {
         self.slack()[0]
+    }
+
+    /// Whether [`Self::spare`] is enough for walls of an impedance; a scene that has some must have a step that small.
+    pub fn allows_impedance(&self) -> bool {
+        self.spare() >= LEAST_SPARE
     }
 }

@@ -1,7 +1,6 @@
 //! Model (b) against the Doppler method on the localization drive of the preset's scene: the same recording, the same wheels.
 
 use anyhow::{Context, Result};
-use fdtd::rays::Reflectors;
 use fdtd::scene::Scene;
 use localizer::filter::motion_model::dead_reckon;
 use localizer::multipath::arrivals;
@@ -10,6 +9,7 @@ use localizer::multipath::planes::Plane;
 use localizer::multipath::prediction::{Model, Predictor};
 use localizer::parameters::MeasurementParameters;
 use localizer::{Parameters, Pose, Trajectory};
+use oracles::rays::Reflectors;
 
 use super::{COLUMNS, Errors, GATE_M, PICKING, accuracy, errors, noise, write_path};
 use crate::laboratory::Laboratory;

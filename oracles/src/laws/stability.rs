@@ -1,0 +1,223 @@
+//! No mode of the discrete operator grows.
+//!
+//! Layout: a room of 16 cells between layers of 8 to 32: open, with one wall, a closed right-angled corner, a slanted wall in cut cells, or a
+//! slanted wall of an impedance; Courant numbers from 0.2 to the scheme's limit (with an impedance, to what a scene may have).
+//! Formula: the step in `f64` with the weights as both engines have them in `f32` ([`PreciseField`]) starts from noise on a constant. What
+//! layers remember decays by `alpha` in time; when that is gone, a mode that grows rules what is left. Its growth is that of the largest
+//! norm over half a swing of the slowest mode there can be, the restoring quantum's.
+//! Bias: what swings slower than it decays is seen within the roundings of its own decay, some 1e-6 per step.
+//! Tolerance: spectral radius at most 1 + 1e-12.
+
+use rayon::prelude::*;
+
+use super::{Depth, Measurement, schemes};
+use fdtd::Error;
+use fdtd::field::{FieldSetup, PreciseField};
+use fdtd::grid::{Grid, Medium};
+use fdtd::pml;
+use fdtd::scheme::{RESTORING_QUANTUM, Scheme};
+use fdtd::walls::{Impedance, Wall, WallModel};
+use std::f64::consts::PI;
+
+/// Cells between the layers.
+const ROOM: usize = 16;
+/// Cell and step, which matter by the Courant number alone.
+const DX_M: f64 = 0.005;
+const DT_S: f64 = 1.0 / 120_000.0;
+const RHO_KGPM3: f64 = 1.2;
+/// Times of decay by the layers' frequency shift that the field is left alone.
+const DECAYS: f64 = 12.0;
+
+/// Widths of the layers in cells.
+pub const LAYERS: [usize; 4] = [8, 16, 24, 32];
+
+/// Courant numbers of each scheme and room with a layer of each of [`LAYERS`] when all are measured: each case has its own, 300 a scheme.
+pub const COURANTS: [usize; 4] = [40, 12, 5, 3];
+
+/// Steps between two norms.
+const STRIDE: usize = 50;
+
+/// What stands in the room.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Room {
+    /// Nothing.
+    Open,
+    /// A straight wall.
+    Wall,
+    /// Two walls that meet at a right angle.
+    Corner,
+    /// A slanted wall in cut cells.
+    CutCells,
+    /// The same of an impedance, in the middle of the air's or far from it by turns.
+    Impedance,
+}
+
+impl Room {
+    /// All rooms.
+    pub const ALL: [Self; 5] = [
+        Self::Open,
+        Self::Wall,
+        Self::Corner,
+        Self::CutCells,
+        Self::Impedance,
+    ];
+
+    /// Name in the table.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Open => "open",
+            Self::Wall => "one wall",
+            Self::Corner => "closed corner",
+            Self::CutCells => "cut cells",
+            Self::Impedance => "impedance",
+        }
+    }
+
+    /// The walls, in cells from the room's lower left corner; `turn` varies place, slant and impedance.
+    fn walls(self, turn: usize, rho_c: f64) -> Vec<Wall> {
+        let shift = (turn % 7) as f64 / 7.0;
+        let wall = |points: &[[f64; 2]]| Wall {
+            points_m: points.to_vec(),
+            thickness_m: 2.0,
+            impedance: None,
+        };
+        // Upright and lying, in each half of the room.
+        let place = |[x, y]: [f64; 2]| match turn % 4 {
+            0 => [x, y],
+            1 => [y, x],
+            2 => [ROOM as f64 - x, y],
+            _ => [y, ROOM as f64 - x],
+        };
+        let slanted = [[3.0 + shift, 3.0], [6.0 + 3.0 * shift, 13.0]].map(place);
+        match self {
+            Self::Open => Vec::new(),
+            // From layer to layer, or free.
+            Self::Wall if turn % 3 == 0 => vec![wall(&[[5.0, 0.0], [5.0, ROOM as f64]].map(place))],
+            Self::Wall => vec![wall(&[[5.0, 3.0], [5.0, 13.0]].map(place))],
+            Self::Corner => vec![wall(&[[4.0, 13.0], [4.0, 4.0], [13.0, 4.0]].map(place))],
+            Self::CutCells => vec![wall(&slanted)],
+            Self::Impedance => {
+                let ratio = [0.05, 0.3, 1.0, 4.0, 20.0][turn % 5];
+                vec![Wall {
+                    impedance: Some(Impedance::Real(ratio * rho_c)),
+                    ..wall(&slanted)
+                }]
+            }
+        }
+    }
+
+    /// Largest Courant number that a scene with such walls may have.
+    pub fn max_courant(self, scheme: Scheme) -> f64 {
+        let limit = scheme.max_courant();
+        if self != Self::Impedance {
+            return limit;
+        }
+        let enough = |part: &f64| scheme.polynomial(part * limit).allows_impedance();
+        let parts = (0..=1000).map(|k| 1.0 - f64::from(k) * 1e-3);
+        limit * parts.into_iter().find(enough).unwrap_or(0.0)
+    }
+}
+
+/// What is simulated at a Courant number, with layers of so many cells and what stands in the room; `turn` varies the walls.
+pub fn setup(
+    scheme: Scheme,
+    courant: f64,
+    layer_cells: usize,
+    room: Room,
+    turn: usize,
+) -> FieldSetup {
+    let side = 2 * layer_cells.next_multiple_of(8) + ROOM;
+    let grid = Grid {
+        nx: side,
+        ny: side,
+        dx_m: DX_M,
+        dt_s: DT_S,
+    };
+    let medium = Medium {
+        c_mps: courant * DX_M / DT_S,
+        rho_kgpm3: RHO_KGPM3,
+    };
+    let low = layer_cells.next_multiple_of(8) as f64;
+    let mut walls = room.walls(turn, medium.rho_kgpm3 * medium.c_mps);
+    for wall in &mut walls {
+        wall.thickness_m *= DX_M;
+        for point in &mut wall.points_m {
+            *point = point.map(|cells| (low + cells) * DX_M);
+        }
+    }
+    let model = match room {
+        Room::CutCells | Room::Impedance => WallModel::CutCells,
+        _ => WallModel::Staircase,
+    };
+    let cells = model.cells(&grid, &walls);
+    FieldSetup::new(&grid, &medium, scheme, layer_cells, &cells)
+}
+
+/// Growth per step, as spectral radius - 1, of a setup at a Courant number, from noise that `turn` varies.
+pub fn growth(setup: FieldSetup, courant: f64, turn: usize) -> f64 {
+    let cells = setup.nx * setup.ny;
+    let mut field = PreciseField::new(setup);
+    // A constant, the mode that layers hold least, with noise of all wavelengths on it.
+    let mut noise = 0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(turn as u64 + 1);
+    let start: Vec<f64> = (0..cells)
+        .map(|_| {
+            noise = noise
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            1.0 + (noise >> 40) as f64 / f64::from(1 << 24) - 0.5
+        })
+        .collect();
+    field.set_pressure(&start);
+    let settle = (DECAYS / (pml::ALPHA * courant)).ceil() as usize;
+    let half_swing = (PI / f64::from(RESTORING_QUANTUM).sqrt()).ceil() as usize;
+    (0..settle).for_each(|_| field.step());
+    let mut most = || {
+        (0..half_swing).fold(0.0_f64, |most, step| {
+            field.step();
+            if step % STRIDE == 0 {
+                most.max(field.norm())
+            } else {
+                most
+            }
+        })
+    };
+    let [before, after] = [most(), most()];
+    (after / before).powf(1.0 / half_swing as f64) - 1.0
+}
+
+/// The law's measurements.
+///
+/// # Errors
+/// None.
+pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
+    let layers = match depth {
+        Depth::Quick => &LAYERS[..1],
+        Depth::Full => &LAYERS[..],
+    };
+    let mut cases = Vec::new();
+    for scheme in schemes() {
+        for (&layer, most) in layers.iter().zip(COURANTS) {
+            let courants = if depth == Depth::Quick { 1 } else { most };
+            cases.extend(Room::ALL.map(|room| (scheme, layer, room, courants)));
+        }
+    }
+    let found = cases
+        .into_par_iter()
+        .enumerate()
+        .map(|(case, (scheme, layer, room, courants))| {
+            let limit = room.max_courant(scheme);
+            let most = (0..courants).map(|k| {
+                // Each case its own numbers; with many the limit is among them.
+                let part = (k as f64 + (case as f64 * 0.618_034).fract()) / (courants as f64 - 0.5);
+                let courant = (0.2 + (limit - 0.2) * part).min(limit);
+                let setup = setup(scheme, courant, layer, room, k + case);
+                growth(setup, courant, k + case)
+            });
+            let most = most.fold(f64::NEG_INFINITY, f64::max);
+            let room = room.name();
+            let name = format!("{scheme}, layer of {layer}, {room}, {courants} Courant numbers");
+            Measurement::below(name, "spectral radius - 1", most, 1e-12)
+        })
+        .collect();
+    Ok(found)
+}

@@ -1,0 +1,36 @@
+//! No mode of the discrete operator grows, and silence stays silent; see the laws for layout, formula and tolerance.
+//!
+//! Whether the measurement sees a growing mode: the same with the constant mode's stiffness made negative by forty
+//! quanta, more than what the layer holds it with.
+
+use crate::rig::assert_within;
+use fdtd::scheme::{RESTORING_QUANTUM, Scheme};
+use oracles::laws::stability::{Room, growth, setup};
+use oracles::laws::{Depth, silence, stability};
+
+#[test]
+fn no_mode_grows_at_any_courant_number() {
+    assert_within(
+        "no growing mode",
+        &stability::measure(Depth::Quick).expect("no scene is read"),
+    );
+}
+
+#[test]
+fn silence_stays_silent_in_any_air() {
+    assert_within(
+        "silence",
+        &silence::measure(Depth::Quick).expect("no scene is read"),
+    );
+}
+
+#[test]
+fn a_mode_that_grows_is_seen() {
+    for (turn, scheme) in Scheme::ALL.into_iter().enumerate() {
+        let courant = 342.0 / 600.0;
+        let mut setup = setup(scheme, courant, 8, Room::Open, turn);
+        setup.weights.centre += 40.0 * RESTORING_QUANTUM;
+        let growth = growth(setup, courant, turn);
+        assert!(growth > 1e-4, "{scheme}: {growth}");
+    }
+}

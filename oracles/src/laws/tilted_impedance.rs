@@ -58,7 +58,7 @@ pub const TOLERANCE: f64 = 0.02;
 
 /// Tilts in degrees of slopes of 1 to 3, 1 to 2 and 1 to 1, and what the factor may be off in any place at normal incidence and at 45 degrees.
 pub const SLOPES: [(f64, [f64; 2]); 3] = [
-    (18.434_948_822_922, [0.06, 0.06]),
+    (18.434_948_822_922, [0.04, 0.04]),
     (26.565_051_177_078, [0.06, 0.06]),
     (45.0, [0.055, 0.095]),
 ];

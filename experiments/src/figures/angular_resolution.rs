@@ -9,7 +9,7 @@ use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
-use super::periods::style_of;
+use super::style::periods_style;
 use crate::table::Table;
 
 /// Draws the figure.
@@ -40,7 +40,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         left.grid()?;
         let mut entries = Vec::new();
         for m in &answers.distinct("m")? {
-            let Some((stroke, marker)) = style_of(m) else {
+            let Some((stroke, marker)) = periods_style(m) else {
                 continue;
             };
             let rows = answers.only("m", m)?;
@@ -72,7 +72,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         right.grid()?;
         right.curve(&theory, line)?;
         for &(m, width) in &measured {
-            let style = style_of(&m.to_string());
+            let style = periods_style(&m.to_string());
             let (shade, marker) = style.map_or((colour::GREY, Marker::Disc), |(stroke, marker)| {
                 (stroke.colour, marker)
             });

@@ -5,15 +5,8 @@ use ndarray::ArrayView2;
 use plotters::style::RGBColor;
 
 use super::axis::Axis;
-use super::canvas::{Canvas, Marker, Stroke};
+use super::canvas::{Canvas, LABEL, Marker, Stroke, TICK};
 use super::colour;
-
-/// Size of tick labels in pixels.
-pub const TICK: f64 = 28.0;
-/// Size of axis labels and legends in pixels.
-pub const LABEL: f64 = 31.0;
-/// Size of titles in pixels.
-pub const TITLE: f64 = 37.0;
 
 /// Axes in a rectangle of a canvas.
 pub struct Axes<'a> {

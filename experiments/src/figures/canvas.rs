@@ -10,11 +10,17 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, FontTransform, register_font};
 
-use super::axes::TITLE;
 use crate::atomic;
 
 static REGULAR: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
 static BOLD: &[u8] = include_bytes!("../../assets/DejaVuSans-Bold.ttf");
+
+/// Size of tick labels in pixels.
+pub const TICK: f64 = 28.0;
+/// Size of axis labels and legends in pixels.
+pub const LABEL: f64 = 31.0;
+/// Size of titles in pixels.
+pub const TITLE: f64 = 37.0;
 
 /// How a line is drawn.
 #[derive(Debug, Clone, Copy)]

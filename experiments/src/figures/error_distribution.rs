@@ -8,7 +8,7 @@ use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas;
 use super::legend::{Entry, legend};
-use super::method_style;
+use super::style::method_style;
 use crate::metrics::{cumulative_distribution, mean, quantile};
 use crate::table::Table;
 

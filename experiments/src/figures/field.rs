@@ -7,7 +7,6 @@ use fdtd::scene::Scene;
 use ndarray::ArrayView2;
 use plotters::style::RGBColor;
 
-use super::axes::TITLE;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
@@ -71,7 +70,7 @@ pub(crate) fn draw(
             &title,
             [0.5 * sheet.width, 24.0],
             (0, 1),
-            TITLE,
+            canvas::TITLE,
             true,
             false,
         )?;

@@ -4,12 +4,14 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, LABEL};
+use super::axes::Axes;
 use super::axis::Axis;
-use super::canvas::{self, Canvas, Stroke};
+use super::canvas::{self, Canvas, LABEL, Stroke};
+use super::colour;
 use super::layout::{Layout, drive_points, path};
 use super::legend::{Entry, legend};
-use super::{colour, means_by, method_style};
+use super::means::means_by;
+use super::style::method_style;
 use crate::metrics::mean;
 use crate::table::Table;
 

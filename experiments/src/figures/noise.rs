@@ -7,8 +7,10 @@ use anyhow::Result;
 use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
+use super::colour;
 use super::legend::{Entry, legend};
-use super::{colour, means_by, method_style};
+use super::means::means_by;
+use super::style::method_style;
 use crate::table::Table;
 
 /// Draws figure 9.

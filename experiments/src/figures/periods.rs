@@ -7,24 +7,12 @@ use anyhow::Result;
 use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
+use super::colour;
 use super::layout::{Layout, drive_points, path};
 use super::legend::{Entry, legend};
-use super::{colour, means_by, method_style};
+use super::means::means_by;
+use super::style::{method_style, periods_style};
 use crate::table::Table;
-
-/// How a number of periods is drawn, the same in every figure; only those of the paper's Fig. 2 have lines.
-pub(super) fn style_of(periods: &str) -> Option<(Stroke, Marker)> {
-    let dashes = |colour, pattern| Stroke::solid(colour, 4.5).dashed(pattern);
-    match periods {
-        "2" => Some((
-            dashes(colour::ORANGE, &[22.0, 9.0, 5.0, 9.0]),
-            Marker::Triangle,
-        )),
-        "4" => Some((dashes(colour::GREEN, &[22.0, 9.0]), Marker::Square)),
-        "6" => Some((Stroke::solid(colour::BLUE, 4.5), Marker::Disc)),
-        _ => None,
-    }
-}
 
 /// What is to be seen: whether more periods do better, from numbers of periods and mean errors in metres.
 fn title(cells: &[(f64, f64)]) -> String {
@@ -70,7 +58,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
                 .into_iter()
                 .zip(rows.numbers("y_m")?)
                 .collect();
-            let entry = match style_of(which) {
+            let entry = match periods_style(which) {
                 Some((stroke, marker)) => Entry {
                     stroke: Some(stroke),
                     marker: Some((marker, stroke.colour)),
@@ -102,7 +90,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let curve: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1)).collect();
         right.curve(&curve, Stroke::solid(colour::GREY, 3.0))?;
         for cell in &cells {
-            let style = style_of(&cell.0.to_string());
+            let style = periods_style(&cell.0.to_string());
             let (shade, marker) = style.map_or((colour::GREY, Marker::Disc), |(stroke, marker)| {
                 (stroke.colour, marker)
             });

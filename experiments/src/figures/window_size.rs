@@ -8,7 +8,8 @@ use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker};
 use super::legend::{Entry, legend};
-use super::{means_by, method_style};
+use super::means::means_by;
+use super::style::method_style;
 use crate::table::Table;
 
 /// A window whose error exceeds the least by no more than this part does about as well.

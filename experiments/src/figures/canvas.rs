@@ -68,6 +68,12 @@ pub enum Marker {
     Triangle,
     /// A diamond.
     Diamond,
+    /// The outline of a square, through which other points stay visible.
+    OpenSquare,
+    /// The outline of a triangle, tip up.
+    OpenTriangle,
+    /// The outline of a diamond.
+    OpenDiamond,
 }
 
 /// Where a text stands relative to its point: -1 left of / above it, 0 centred, 1 right of / below it.
@@ -231,7 +237,7 @@ impl Canvas {
         Ok(())
     }
 
-    /// Draws a filled marker `size` pixels across with a thin white rim.
+    /// Draws a marker `size` pixels across: filled ones with a thin white rim, open ones as a line.
     ///
     /// # Errors
     /// When the backend refuses.
@@ -249,18 +255,24 @@ impl Canvas {
                 self.flush(colour, 1.0);
                 return Ok(());
             }
-            Marker::Square => [45.0, 135.0, 225.0, 315.0]
+            Marker::Square | Marker::OpenSquare => [45.0, 135.0, 225.0, 315.0]
                 .map(|a| corner(a, 1.25 * radius))
                 .to_vec(),
-            Marker::Triangle => [90.0, 210.0, 330.0]
+            Marker::Triangle | Marker::OpenTriangle => [90.0, 210.0, 330.0]
                 .map(|a| corner(a, 1.35 * radius))
                 .to_vec(),
-            Marker::Diamond => [0.0, 90.0, 180.0, 270.0]
+            Marker::Diamond | Marker::OpenDiamond => [0.0, 90.0, 180.0, 270.0]
                 .map(|a| corner(a, 1.3 * radius))
                 .to_vec(),
         };
         let mut outline = corners.clone();
         outline.push(corners[0]);
+        if matches!(
+            marker,
+            Marker::OpenSquare | Marker::OpenTriangle | Marker::OpenDiamond
+        ) {
+            return self.line(&outline, Stroke::solid(colour, 3.5));
+        }
         self.line(&outline, Stroke::solid(WHITE, 4.0))?;
         self.area_between(&corners, colour, 1.0)?;
         self.line(&outline, Stroke::solid(colour, 1.5))

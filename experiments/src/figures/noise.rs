@@ -50,7 +50,7 @@ fn draw_with(data: &Path, picture: &Path, limit_m: f64) -> Result<()> {
         .map(|cell| cell.1)
         .fold(0.0, f64::max);
     canvas::draw(picture, 1600, 1100, |sheet| {
-        let title = format!("Above 3 dB noise costs little: {worst_above_3:.3} m at most");
+        let title = format!("From 3 dB on the mean error is {worst_above_3:.3} m at most");
         sheet.title(&title)?;
         let axes = Axes::new(
             sheet,

@@ -138,18 +138,24 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             for (row, y_m) in rows.iter().rev().enumerate() {
                 let left = 150.0 + pitch[0] * column as f64;
                 let top = top + pitch[1] * row as f64;
+                // Labels stand at the outer frames alone.
+                let [x_label, y_label] = [
+                    (row + 1 == rows.len(), "error in x [mm]"),
+                    (column == 0, "error in y [mm]"),
+                ]
+                .map(|(outer, label)| if outer { label } else { "" });
                 let axes = Axes::new(
                     sheet,
                     [left, top, left + side, top + side],
-                    Axis::new(-reach, reach, "error in x [mm]"),
-                    Axis::new(-reach, reach, "error in y [mm]"),
+                    Axis::new(-reach, reach, x_label),
+                    Axis::new(-reach, reach, y_label),
                 );
                 axes.grid()?;
-                axes.markers(&[(0.0, 0.0)], Marker::Disc, 13.0, colour::BLACK)?;
+                axes.markers(&[(0.0, 0.0)], Marker::Disc, 9.0, colour::BLACK)?;
                 for (errors, _, marker, shade) in &found {
-                    let here = errors.iter().filter(|(truth, _)| truth == &[*x_m, *y_m]);
+                    let here = errors.iter().filter(|(truth, _)| *truth == [*x_m, *y_m]);
                     let here: Vec<(f64, f64)> = here.map(|(_, [x, y])| (*x, *y)).collect();
-                    axes.markers(&here, *marker, 19.0, *shade)?;
+                    axes.markers(&here, *marker, 14.0, *shade)?;
                 }
                 axes.finish(&format!("({x_m}, {y_m}) m"))?;
             }

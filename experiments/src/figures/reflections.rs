@@ -80,7 +80,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         .into_iter()
         .chain(rays.only("kind", "corner")?.numbers("round_trip_m")?)
         .fold(0.0, f64::max);
-    canvas::draw(picture, 1800, 1110, |sheet| {
+    canvas::draw(picture, 1800, 1150, |sheet| {
         let title = format!(
             "Echoes measured and by ray theory: single ones and the corner's up to {farthest:.1} m"
         );
@@ -99,7 +99,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         measured.image(decibels, [[gate_m, far_m], place.t_s], scale)?;
         measured.finish("(a) measured intensity")?;
         measured.colour_bar(scale, beyond, "level [dB]")?;
-        for (note, y) in notes(gate_m, &levels).iter().zip([1050.0, 1083.0]) {
+        for (note, y) in notes(gate_m, &levels).iter().zip([1085.0, 1120.0]) {
             sheet.text(note, [140.0, y], (1, 0), LABEL - 4.0, false, false)?;
         }
         let theory = Axes::new(

@@ -104,7 +104,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         right.markers(&curve, Marker::Triangle, 18.0, green.colour)?;
         let slowest: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1[3])).collect();
         right.markers(&slowest, Marker::OpenTriangle, 13.0, green.colour)?;
-        right.finish("(b) particle filter")?;
+        right.finish("(b) particle filter; open: slowest step")?;
         let entries = [
             Entry {
                 stroke: Some(blue),
@@ -115,11 +115,6 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
                 stroke: Some(green),
                 marker: Some((Marker::Triangle, green.colour)),
                 text: "filter: median, bars 5\u{2013}95 % (paper 57 ms at 3 m)".to_string(),
-            },
-            Entry {
-                stroke: None,
-                marker: Some((Marker::OpenTriangle, green.colour)),
-                text: "slowest step".to_string(),
             },
         ];
         legend(sheet, [170.0, 85.0], 1620.0, &entries)?;

@@ -1,4 +1,5 @@
-//! Angular resolution over the number of periods M: the bank's answer to one exact echo, and its half-power width beside theory.
+//! Angular resolution over the number of periods M: the bank's answer to one exact echo, and its half-power width
+//! beside theory.
 
 use std::path::Path;
 

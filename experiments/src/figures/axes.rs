@@ -213,7 +213,8 @@ impl<'a> Axes<'a> {
         self.canvas.area_between(&pixels, colour, opacity)
     }
 
-    /// Draws an image `[iy, ix]` (y upward) that spans `x_range` by `y_range`, black-violet at `low` to yellow at `high`.
+    /// Draws an image `[iy, ix]` (y upward) that spans `x_range` by `y_range`, black-violet at `low` to yellow at
+    /// `high`.
     ///
     /// # Errors
     /// When the canvas refuses.

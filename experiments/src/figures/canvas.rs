@@ -161,7 +161,8 @@ impl Canvas {
         }
     }
 
-    /// Mixes the collected coverage into the picture, each pixel once, so that a see-through line does not darken itself.
+    /// Mixes the collected coverage into the picture, each pixel once, so that a see-through line does not darken
+    /// itself.
     fn flush(&self, colour: RGBColor, opacity: f64) {
         for (pixel, share) in self.coverage.borrow_mut().drain() {
             self.mix(pixel, colour, f64::from(share) * opacity);

@@ -1,4 +1,5 @@
-//! Nine test points inside four receivers: true, published and ours (Hsu et al., Sens. Mater. 2021, Fig. 14 and Tables 1 and 2).
+//! Nine test points inside four receivers: true, published and ours (Hsu et al., Sens. Mater. 2021, Fig. 14 and Tables
+//! 1 and 2).
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! Multipath arrival times (2021, Fig. 3): paths and errors of the three models in a room, and model (b) beside the Doppler method on the scene.
+//! Multipath arrival times (2021, Fig. 3): paths and errors of the three models in a room, and model (b) beside the
+//! Doppler method on the scene.
 
 use std::path::Path;
 

@@ -14,7 +14,8 @@ use super::legend::{Entry, legend};
 use crate::metrics::quantile;
 use crate::table::Table;
 
-/// Where the cells of `reflections.npy` (rows: time, columns: round-trip distance) lie, as written to `reflections.json`.
+/// Where the cells of `reflections.npy` (rows: time, columns: round-trip distance) lie, as written to
+/// `reflections.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct IntensityPlace {
     /// Times of the first and last row's outer edges, seconds.

@@ -1,4 +1,5 @@
-//! Angular resolution over the number of periods M: the bank's answer to one exact echo, and its half-power width beside theory.
+//! Angular resolution over the number of periods M: the bank's answer to one exact echo, and its half-power width
+//! beside theory.
 
 use std::path::Path;
 
@@ -9,8 +10,17 @@ use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
-use super::periods::style_of;
+use super::style::periods_style;
 use crate::table::Table;
+
+/// What is to be seen: by how much, at most, the measured widths differ from theory, both over the periods.
+fn title(measured: &[(f64, f64)], theory: &[(f64, f64)]) -> String {
+    let pairs = measured.iter().zip(theory);
+    let worst = pairs
+        .map(|(measured, theory)| 100.0 * (measured.1 / theory.1 - 1.0).abs())
+        .fold(0.0, f64::max);
+    format!("The half-power width over cos \u{3b8} is within {worst:.1} % of theory")
+}
 
 /// Draws the figure.
 ///
@@ -29,8 +39,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let (measured, theory) = (pairs("half_power_width")?, pairs("theory")?);
     let line = Stroke::solid(colour::BLACK, 3.0).dashed(&[12.0, 8.0]);
     canvas::draw(picture, 1800, 1000, |sheet| {
-        let title = "Angles are told apart 1/M as finely as the Doppler cell says";
-        sheet.title(title)?;
+        sheet.title(&title(&measured, &theory))?;
         let left = Axes::new(
             sheet,
             [170.0, 225.0, 870.0, 870.0],
@@ -40,7 +49,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         left.grid()?;
         let mut entries = Vec::new();
         for m in &answers.distinct("m")? {
-            let Some((stroke, marker)) = style_of(m) else {
+            let Some((stroke, marker)) = periods_style(m) else {
                 continue;
             };
             let rows = answers.only("m", m)?;
@@ -72,15 +81,38 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         right.grid()?;
         right.curve(&theory, line)?;
         for &(m, width) in &measured {
-            let style = style_of(&m.to_string());
+            let style = periods_style(&m.to_string());
             let (shade, marker) = style.map_or((colour::GREY, Marker::Disc), |(stroke, marker)| {
                 (stroke.colour, marker)
             });
             right.markers(&[(m, width)], marker, 24.0, shade)?;
         }
         right.finish("(b) resolution")?;
+        if measured
+            .iter()
+            .any(|point| periods_style(&point.0.to_string()).is_none())
+        {
+            entries.push(Entry {
+                stroke: None,
+                marker: Some((Marker::Disc, colour::GREY)),
+                text: "other M, only in (b)".to_string(),
+            });
+        }
         entries.push(Entry::line(line, "theory 0.886 c / (2 f M T v)"));
         legend(sheet, [170.0, 85.0], 1600.0, &entries)?;
         Ok(())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::title;
+
+    #[test]
+    fn the_title_holds_for_the_worst_width() {
+        assert_eq!(
+            title(&[(1.0, 0.96), (2.0, 0.5)], &[(1.0, 1.0), (2.0, 0.5)]),
+            "The half-power width over cos \u{3b8} is within 4.0 % of theory"
+        );
+    }
 }

@@ -5,15 +5,8 @@ use ndarray::ArrayView2;
 use plotters::style::RGBColor;
 
 use super::axis::Axis;
-use super::canvas::{Canvas, Marker, Stroke};
+use super::canvas::{Canvas, LABEL, Marker, Stroke, TICK};
 use super::colour;
-
-/// Size of tick labels in pixels.
-pub const TICK: f64 = 28.0;
-/// Size of axis labels and legends in pixels.
-pub const LABEL: f64 = 31.0;
-/// Size of titles in pixels.
-pub const TITLE: f64 = 37.0;
 
 /// Axes in a rectangle of a canvas.
 pub struct Axes<'a> {
@@ -54,6 +47,11 @@ impl<'a> Axes<'a> {
             left + (x - self.x.low) / (self.x.high - self.x.low) * (right - left),
             bottom - (y - self.y.low) / (self.y.high - self.y.low) * (bottom - top),
         ]
+    }
+
+    /// Whether a data point lies within both axes.
+    pub fn holds(&self, x: f64, y: f64) -> bool {
+        (self.x.low..=self.x.high).contains(&x) && (self.y.low..=self.y.high).contains(&y)
     }
 
     /// Draws light grid lines at the ticks; call before the data.
@@ -215,7 +213,8 @@ impl<'a> Axes<'a> {
         self.canvas.area_between(&pixels, colour, opacity)
     }
 
-    /// Draws an image `[iy, ix]` (y upward) that spans `x_range` by `y_range`, black-violet at `low` to yellow at `high`.
+    /// Draws an image `[iy, ix]` (y upward) that spans `x_range` by `y_range`, black-violet at `low` to yellow at
+    /// `high`.
     ///
     /// # Errors
     /// When the canvas refuses.
@@ -261,11 +260,12 @@ impl<'a> Axes<'a> {
         Ok(())
     }
 
-    /// Draws a colour bar right of the frame.
+    /// Draws a colour bar right of the frame. A tip at its lower or upper end says that the image has values `beyond`
+    /// the scale there, drawn in the colour of that end.
     ///
     /// # Errors
     /// When the canvas refuses.
-    pub fn colour_bar(&self, scale: [f64; 2], label: &str) -> Result<()> {
+    pub fn colour_bar(&self, scale: [f64; 2], beyond: [bool; 2], label: &str) -> Result<()> {
         let [_, top, right, bottom] = self.frame;
         let bar = Axes::new(
             self.canvas,
@@ -288,6 +288,18 @@ impl<'a> Axes<'a> {
             [left, top],
         ];
         self.canvas.line(&outline, stroke)?;
+        for (beyond, share, base, tip) in [
+            (beyond[0], 0.0, bottom, bottom + 26.0),
+            (beyond[1], 1.0, top, top - 26.0),
+        ] {
+            if beyond {
+                let corners = [[left, base], [right, base], [0.5 * (left + right), tip]];
+                self.canvas
+                    .area_between(&corners, colour::ramp(share), 1.0)?;
+                let [from, to, tip] = corners;
+                self.canvas.line(&[from, tip, to], stroke)?;
+            }
+        }
         let mut widest = 0.0_f64;
         for (value, text) in bar.y.ticks(5) {
             let [_, y] = bar.pixel(0.0, value);

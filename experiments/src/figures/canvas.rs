@@ -10,11 +10,17 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, FontTransform, register_font};
 
-use super::axes::TITLE;
 use crate::atomic;
 
 static REGULAR: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
 static BOLD: &[u8] = include_bytes!("../../assets/DejaVuSans-Bold.ttf");
+
+/// Size of tick labels in pixels.
+pub const TICK: f64 = 28.0;
+/// Size of axis labels and legends in pixels.
+pub const LABEL: f64 = 31.0;
+/// Size of titles in pixels.
+pub const TITLE: f64 = 37.0;
 
 /// How a line is drawn.
 #[derive(Debug, Clone, Copy)]
@@ -62,6 +68,12 @@ pub enum Marker {
     Triangle,
     /// A diamond.
     Diamond,
+    /// The outline of a square, through which other points stay visible.
+    OpenSquare,
+    /// The outline of a triangle, tip up.
+    OpenTriangle,
+    /// The outline of a diamond.
+    OpenDiamond,
 }
 
 /// Where a text stands relative to its point: -1 left of / above it, 0 centred, 1 right of / below it.
@@ -149,7 +161,8 @@ impl Canvas {
         }
     }
 
-    /// Mixes the collected coverage into the picture, each pixel once, so that a see-through line does not darken itself.
+    /// Mixes the collected coverage into the picture, each pixel once, so that a see-through line does not darken
+    /// itself.
     fn flush(&self, colour: RGBColor, opacity: f64) {
         for (pixel, share) in self.coverage.borrow_mut().drain() {
             self.mix(pixel, colour, f64::from(share) * opacity);
@@ -225,7 +238,7 @@ impl Canvas {
         Ok(())
     }
 
-    /// Draws a filled marker `size` pixels across with a thin white rim.
+    /// Draws a marker `size` pixels across: filled ones with a thin white rim, open ones as a line.
     ///
     /// # Errors
     /// When the backend refuses.
@@ -243,18 +256,24 @@ impl Canvas {
                 self.flush(colour, 1.0);
                 return Ok(());
             }
-            Marker::Square => [45.0, 135.0, 225.0, 315.0]
+            Marker::Square | Marker::OpenSquare => [45.0, 135.0, 225.0, 315.0]
                 .map(|a| corner(a, 1.25 * radius))
                 .to_vec(),
-            Marker::Triangle => [90.0, 210.0, 330.0]
+            Marker::Triangle | Marker::OpenTriangle => [90.0, 210.0, 330.0]
                 .map(|a| corner(a, 1.35 * radius))
                 .to_vec(),
-            Marker::Diamond => [0.0, 90.0, 180.0, 270.0]
+            Marker::Diamond | Marker::OpenDiamond => [0.0, 90.0, 180.0, 270.0]
                 .map(|a| corner(a, 1.3 * radius))
                 .to_vec(),
         };
         let mut outline = corners.clone();
         outline.push(corners[0]);
+        if matches!(
+            marker,
+            Marker::OpenSquare | Marker::OpenTriangle | Marker::OpenDiamond
+        ) {
+            return self.line(&outline, Stroke::solid(colour, 3.5));
+        }
         self.line(&outline, Stroke::solid(WHITE, 4.0))?;
         self.area_between(&corners, colour, 1.0)?;
         self.line(&outline, Stroke::solid(colour, 1.5))

@@ -1,4 +1,5 @@
-//! Colours: the palette of Okabe and Ito, which colour-blind readers can tell apart, and a ramp of even lightness steps for images.
+//! Colours: the palette of Okabe and Ito, which colour-blind readers can tell apart, and a ramp of even lightness steps
+//! for images.
 
 use plotters::style::RGBColor;
 
@@ -21,8 +22,8 @@ pub const GREY: RGBColor = RGBColor(130, 130, 130);
 /// Light grey for grid lines and areas.
 pub const LIGHT: RGBColor = RGBColor(222, 222, 222);
 
-/// Colour of the ramp at `share` (0 to 1): dark violet over blue and green to light yellow, computed in the OKLCh space so
-/// that lightness rises evenly (prints well in grey).
+/// Colour of the ramp at `share` (0 to 1): dark violet over blue and green to light yellow, computed in the OKLCh space
+/// so that lightness rises evenly (prints well in grey).
 pub fn ramp(share: f64) -> RGBColor {
     let share = if share.is_finite() {
         share.clamp(0.0, 1.0)

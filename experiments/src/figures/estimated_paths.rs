@@ -4,11 +4,11 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::LABEL;
-use super::canvas::{self, Stroke};
+use super::canvas::{self, LABEL, Stroke};
+use super::colour;
 use super::layout::{Layout, drive_points, path};
 use super::legend::{Entry, legend};
-use super::{colour, method_style};
+use super::style::method_style;
 use crate::metrics::mean;
 use crate::table::Table;
 

@@ -1,4 +1,5 @@
-//! The sound field of a scene at one moment after a short burst: wave fronts, echoes, and what bends round the ends of walls.
+//! The sound field of a scene at one moment after a short burst: wave fronts, echoes, and what bends round the ends of
+//! walls.
 
 use std::path::Path;
 
@@ -7,7 +8,6 @@ use fdtd::scene::Scene;
 use ndarray::ArrayView2;
 use plotters::style::RGBColor;
 
-use super::axes::TITLE;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
@@ -30,7 +30,8 @@ fn shade(value: f64) -> RGBColor {
     RGBColor(channel(0), channel(1), channel(2))
 }
 
-/// Draws the scene with its field `click` at `t_s` seconds after a click at the start of `path` ([`crate::click::frame`]).
+/// Draws the scene with its field `click` at `t_s` seconds after a click at the start of `path`
+/// ([`crate::click::frame`]).
 ///
 /// # Errors
 /// When the scene has no such path or the picture cannot be written.
@@ -71,7 +72,7 @@ pub(crate) fn draw(
             &title,
             [0.5 * sheet.width, 24.0],
             (0, 1),
-            TITLE,
+            canvas::TITLE,
             true,
             false,
         )?;

@@ -3,8 +3,7 @@
 use anyhow::Result;
 use plotters::style::RGBColor;
 
-use super::axes::LABEL;
-use super::canvas::{Canvas, Marker, Stroke};
+use super::canvas::{Canvas, LABEL, Marker, Stroke};
 
 /// An entry of a legend.
 #[derive(Debug, Clone)]

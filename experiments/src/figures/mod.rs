@@ -17,6 +17,7 @@ mod angular_resolution;
 mod dual_circle;
 mod error_distribution;
 mod estimated_paths;
+mod means;
 mod multipath;
 mod noise;
 mod periods;
@@ -25,14 +26,12 @@ mod roofline;
 mod scene_and_map;
 mod speeds;
 mod step_time;
+mod style;
 mod window_size;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use plotters::style::RGBColor;
-
-use canvas::Stroke;
 
 /// A figure: its file name without ending, the data files it needs, and how it is drawn.
 struct Figure {
@@ -219,47 +218,4 @@ pub fn draw_bench(folder: &Path) -> Result<Option<PathBuf>> {
     let picture = folder.join("roofline.png");
     roofline::draw(&data, &picture)?;
     Ok(Some(picture))
-}
-
-/// How a localization method is drawn in every figure: line, marker colour and name.
-fn method_style(method: &str) -> (Stroke, &'static str) {
-    let line = |colour: RGBColor, width| Stroke::solid(colour, width);
-    match method {
-        "doppler" => (line(colour::BLUE, 5.0), "Doppler"),
-        "toa-only" => (
-            line(colour::ORANGE, 5.0).dashed(&[22.0, 9.0, 5.0, 9.0]),
-            "ToA only",
-        ),
-        "odometry" => (
-            line(colour::VERMILLION, 5.0).dashed(&[6.0, 9.0]),
-            "odometry",
-        ),
-        _ => (line(colour::BLACK, 3.0), "truth"),
-    }
-}
-
-/// Mean over the trials of each cell of a study: (cell, mean, interval), for the rows of `table` grouped by `key`.
-fn means_by(
-    table: &crate::table::Table,
-    key: &str,
-    value: &str,
-) -> Result<Vec<(f64, f64, [f64; 2])>> {
-    let mut cells: Vec<(f64, Vec<f64>)> = Vec::new();
-    for (cell, number) in table.numbers(key)?.into_iter().zip(table.numbers(value)?) {
-        match cells.iter_mut().find(|(known, _)| *known == cell) {
-            Some((_, numbers)) => numbers.push(number),
-            None => cells.push((cell, vec![number])),
-        }
-    }
-    cells.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(cells
-        .into_iter()
-        .map(|(cell, numbers)| {
-            (
-                cell,
-                crate::metrics::mean(&numbers),
-                crate::metrics::bootstrap_interval(&numbers),
-            )
-        })
-        .collect())
 }

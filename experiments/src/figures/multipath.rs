@@ -1,15 +1,18 @@
-//! Multipath arrival times (2021, Fig. 3): paths and errors of the three models in a room, and model (b) beside the Doppler method on the scene.
+//! Multipath arrival times (2021, Fig. 3): paths and errors of the three models in a room, and model (b) beside the
+//! Doppler method on the scene.
 
 use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::{Axes, LABEL};
+use super::axes::Axes;
 use super::axis::Axis;
-use super::canvas::{self, Canvas, Stroke};
+use super::canvas::{self, Canvas, LABEL, Stroke};
+use super::colour;
 use super::layout::{Layout, drive_points, path};
 use super::legend::{Entry, legend};
-use super::{colour, means_by, method_style};
+use super::means::means_by;
+use super::style::method_style;
 use crate::metrics::mean;
 use crate::table::Table;
 
@@ -42,6 +45,67 @@ fn points(table: &Table, x: &str, y: &str) -> Result<Vec<(f64, f64)>> {
         .into_iter()
         .zip(table.numbers(y)?)
         .collect())
+}
+
+/// The letter of a model with its brackets, or the method's name.
+fn short(method: &str) -> &'static str {
+    let name = style(method).1;
+    name.split_inclusive(')').next().unwrap_or(name)
+}
+
+/// Mean error of a method over all trials, if it has any.
+fn mean_error(table: &Table, method: &str) -> Result<Option<f64>> {
+    let rows = table.only("method", method)?;
+    Ok(match rows.is_empty() {
+        true => None,
+        false => Some(mean(&rows.numbers("error_m")?)),
+    })
+}
+
+/// Lists the mean errors of the methods that the table has.
+fn mean_errors_of(table: &Table, methods: &[&str]) -> Result<String> {
+    let mut parts = Vec::new();
+    for method in methods {
+        if let Some(error) = mean_error(table, method)? {
+            parts.push(format!("{} {error:.3} m", short(method)));
+        }
+    }
+    Ok(parts.join(", "))
+}
+
+/// Mean errors of a model over the gate: its name, and gate, mean and interval in metres.
+type OverGates<'a> = (&'a str, Vec<(f64, f64, [f64; 2])>);
+
+/// What is to be seen: up to which gate each model stays below the paper's error.
+fn gates_title(cells: &[OverGates<'_>]) -> String {
+    let parts: Vec<String> = cells
+        .iter()
+        .map(|(method, means)| {
+            let below = means.iter().take_while(|cell| cell.1 < PAPER_M).last();
+            match below {
+                Some(cell) => format!("{} to {:.2} m", short(method), cell.0),
+                None => format!("{} never", short(method)),
+            }
+        })
+        .collect();
+    format!(
+        "Gates that keep below the paper's {PAPER_M} m: {}",
+        parts.join(", ")
+    )
+}
+
+/// The gate at which the means over the gates are nearest to the `means` of the same methods.
+fn nearest_gate(cells: &[OverGates<'_>], means: &[(&str, f64)]) -> Option<f64> {
+    let gates = cells.first()?.1.iter().map(|cell| cell.0);
+    let away = |gate: f64| -> f64 {
+        let pairs = cells.iter().filter_map(|(method, row)| {
+            let (_, wanted) = means.iter().find(|(name, _)| name == method)?;
+            let cell = row.iter().find(|cell| cell.0 == gate)?;
+            Some((cell.1 - wanted).abs())
+        });
+        pairs.sum()
+    };
+    gates.min_by(|a, b| away(*a).total_cmp(&away(*b)))
 }
 
 /// The trial whose mean error by model (b) is the median one of all trials.
@@ -103,8 +167,8 @@ pub(crate) fn paths(data: &Path, picture: &Path) -> Result<()> {
     )?;
     room.extend(room.first().copied());
     canvas::draw(picture, 1660, 1040, |sheet| {
-        let title = "Double echoes and the ceiling hold the path that single echoes lose";
-        sheet.title(title)?;
+        let models = mean_errors_of(&table, &["single", "planar", "spatial"])?;
+        sheet.title(&format!("Mean error of all trials: {models}"))?;
         let around = |pick: fn(&(f64, f64)) -> f64, label: &str| {
             Axis::around(room.iter().map(pick), 0.05, label)
         };
@@ -123,10 +187,22 @@ pub(crate) fn paths(data: &Path, picture: &Path) -> Result<()> {
         let methods = ["odometry", "single", "planar", "spatial"];
         entries.extend(one_trial(&axes, &table, &trial, &methods)?);
         axes.finish("estimated positions, one trial")?;
-        let notes = [
-            "The trial with the median error of (b).",
-            "\u{25cf} start   \u{25a0} end   grey: walls",
-        ];
+        let mut cut = Vec::new();
+        for method in methods {
+            let rows = table.only("method", method)?.only("trial", &trial)?;
+            if points(&rows, "x_m", "y_m")?
+                .iter()
+                .any(|(x, y)| !axes.holds(*x, *y))
+            {
+                cut.push(short(method));
+            }
+        }
+        let mut notes = vec!["The trial with the median error of (b)."];
+        let leaves = format!("Cut at the frame: {}.", cut.join(", "));
+        if !cut.is_empty() {
+            notes.push(&leaves);
+        }
+        notes.push("\u{25cf} start   \u{25a0} end   grey: walls");
         column(sheet, entries, &notes)
     })
 }
@@ -167,8 +243,14 @@ pub(crate) fn errors(data: &Path, picture: &Path) -> Result<()> {
     let longest = all().map(|point| point.0).fold(0.0, f64::max);
     let gates = Table::read(&data.join("multipath_gates.csv"))?;
     canvas::draw(picture, 1800, 1040, |sheet| {
-        let title = "At a gate of 0.25 m only model (c) always follows; at wide gates none does";
-        sheet.title(title)?;
+        let cells = ["single", "planar", "spatial"]
+            .iter()
+            .map(|method| {
+                let rows = gates.only("method", method)?;
+                Ok((*method, means_by(&rows, "gate_m", "mae_m")?))
+            })
+            .collect::<Result<Vec<OverGates<'_>>>>()?;
+        sheet.title(&gates_title(&cells))?;
         let left = Axes::new(
             sheet,
             [150.0, 270.0, 900.0, 925.0],
@@ -184,17 +266,11 @@ pub(crate) fn errors(data: &Path, picture: &Path) -> Result<()> {
             left.curve(curve, stroke)?;
             entries.push(Entry::line(stroke, &format!("{name}: {error:.3} m")));
         }
-        entries.push(Entry::line(paper, "paper, (c): 0.085 m"));
-        left.finish("error over time, gate 0.25 m")?;
-        let cells = ["single", "planar", "spatial"]
-            .iter()
-            .map(|method| {
-                Ok((
-                    *method,
-                    means_by(&gates.only("method", method)?, "gate_m", "mae_m")?,
-                ))
-            })
-            .collect::<Result<Vec<_>>>()?;
+        entries.push(Entry::line(paper, &format!("paper, (c): {PAPER_M} m")));
+        let means: Vec<(&str, f64)> = curves.iter().map(|curve| (curve.0, curve.2)).collect();
+        let gate = nearest_gate(&cells, &means);
+        let gate = gate.map_or(String::new(), |gate_m| format!(", gate {gate_m:.2} m"));
+        left.finish(&format!("error over time, mean of all trials{gate}"))?;
         let all = || cells.iter().flat_map(|(_, means)| means);
         let highest = all().map(|cell| cell.2[1]).fold(0.1, f64::max);
         let widest = all().map(|cell| cell.0).fold(0.1, f64::max);
@@ -216,7 +292,7 @@ pub(crate) fn errors(data: &Path, picture: &Path) -> Result<()> {
             right.curve(&curve, stroke)?;
             right.whiskers(&bars, stroke.colour)?;
         }
-        right.finish("mean error over the gate")?;
+        right.finish("mean error over the gate, bars: 95 % interval")?;
         legend(sheet, [150.0, 78.0], 1620.0, &entries)?;
         Ok(())
     })
@@ -231,8 +307,8 @@ pub(crate) fn scene(data: &Path, picture: &Path) -> Result<()> {
     let truth = drive_points(&Table::read(&data.join("drive.csv"))?, "localization")?;
     let table = Table::read(&data.join("multipath_scene.csv"))?;
     canvas::draw(picture, 1660, 1100, |sheet| {
-        let title = "Planes and arrival times beside map image and Doppler bearings";
-        sheet.title(title)?;
+        let errors = mean_errors_of(&table, &["planar", "doppler", "odometry"])?;
+        sheet.title(&format!("Mean error: {errors}; (b) was given the walls"))?;
         let axes = layout.axes(sheet, [120.0, 130.0, 980.0, 990.0]);
         axes.grid()?;
         layout.walls(&axes, Stroke::solid(colour::GREY, 6.0))?;
@@ -242,7 +318,36 @@ pub(crate) fn scene(data: &Path, picture: &Path) -> Result<()> {
         let methods = ["odometry", "doppler", "planar"];
         entries.extend(one_trial(&axes, &table, "0", &methods)?);
         axes.finish("estimated positions (first trial)")?;
-        let note = "\u{25cf} start   \u{25a0} end   grey: walls";
-        column(sheet, entries, &[note])
+        let notes = [
+            "(b) was given the walls of the scene as planes;",
+            "Doppler has only the map image from echoes.",
+            "\u{25cf} start   \u{25a0} end   grey: walls",
+        ];
+        column(sheet, entries, &notes)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn title_and_gate_follow_from_the_means() {
+        let row = |means: [f64; 3]| {
+            let gates = [0.2, 0.25, 0.3];
+            let cells = gates.iter().zip(means);
+            cells.map(|(gate, mean)| (*gate, mean, [mean; 2])).collect()
+        };
+        let cells: Vec<OverGates<'_>> = vec![
+            ("single", row([0.1, 1.1, 0.9])),
+            ("planar", row([0.03, 0.13, 0.05])),
+            ("spatial", row([0.01, 0.02, 0.08])),
+        ];
+        assert_eq!(
+            gates_title(&cells),
+            "Gates that keep below the paper's 0.085 m: (a) never, (b) to 0.20 m, (c) to 0.30 m"
+        );
+        let means = [("single", 1.1), ("spatial", 0.021), ("odometry", 0.6)];
+        assert_eq!(nearest_gate(&cells, &means), Some(0.25));
+    }
 }

@@ -7,8 +7,10 @@ use anyhow::Result;
 use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
+use super::colour;
 use super::legend::{Entry, legend};
-use super::{colour, means_by, method_style};
+use super::means::means_by;
+use super::style::method_style;
 use crate::table::Table;
 
 /// Draws figure 9.
@@ -48,7 +50,7 @@ fn draw_with(data: &Path, picture: &Path, limit_m: f64) -> Result<()> {
         .map(|cell| cell.1)
         .fold(0.0, f64::max);
     canvas::draw(picture, 1600, 1100, |sheet| {
-        let title = format!("Above 3 dB noise costs little: {worst_above_3:.3} m at most");
+        let title = format!("From 3 dB on the mean error is {worst_above_3:.3} m at most");
         sheet.title(&title)?;
         let axes = Axes::new(
             sheet,

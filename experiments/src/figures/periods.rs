@@ -7,24 +7,12 @@ use anyhow::Result;
 use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
+use super::colour;
 use super::layout::{Layout, drive_points, path};
 use super::legend::{Entry, legend};
-use super::{colour, means_by, method_style};
+use super::means::means_by;
+use super::style::{method_style, periods_style};
 use crate::table::Table;
-
-/// How a number of periods is drawn, the same in every figure; only those of the paper's Fig. 2 have lines.
-pub(super) fn style_of(periods: &str) -> Option<(Stroke, Marker)> {
-    let dashes = |colour, pattern| Stroke::solid(colour, 4.5).dashed(pattern);
-    match periods {
-        "2" => Some((
-            dashes(colour::ORANGE, &[22.0, 9.0, 5.0, 9.0]),
-            Marker::Triangle,
-        )),
-        "4" => Some((dashes(colour::GREEN, &[22.0, 9.0]), Marker::Square)),
-        "6" => Some((Stroke::solid(colour::BLUE, 4.5), Marker::Disc)),
-        _ => None,
-    }
-}
 
 /// What is to be seen: whether more periods do better, from numbers of periods and mean errors in metres.
 fn title(cells: &[(f64, f64)]) -> String {
@@ -37,7 +25,12 @@ fn title(cells: &[(f64, f64)]) -> String {
             "M = {} does no worse than M = {} on this drive: {:.3} and {:.3} m",
             few.0, many.0, few.1, many.1
         ),
-        _ => "More periods in a block resolve the Doppler shift, and hold the path".to_string(),
+        (Some(few), Some(many)) if few.0 < many.0 => format!(
+            "{} periods in a block in place of {} lower the mean error: {:.3} to {:.3} m",
+            many.0, few.0, few.1, many.1
+        ),
+        (Some(only), _) => format!("Mean error {:.3} m with M = {}", only.1, only.0),
+        _ => "No number of periods was tried".to_string(),
     }
 }
 
@@ -70,7 +63,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
                 .into_iter()
                 .zip(rows.numbers("y_m")?)
                 .collect();
-            let entry = match style_of(which) {
+            let entry = match periods_style(which) {
                 Some((stroke, marker)) => Entry {
                     stroke: Some(stroke),
                     marker: Some((marker, stroke.colour)),
@@ -102,7 +95,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let curve: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1)).collect();
         right.curve(&curve, Stroke::solid(colour::GREY, 3.0))?;
         for cell in &cells {
-            let style = style_of(&cell.0.to_string());
+            let style = periods_style(&cell.0.to_string());
             let (shade, marker) = style.map_or((colour::GREY, Marker::Disc), |(stroke, marker)| {
                 (stroke.colour, marker)
             });
@@ -110,6 +103,16 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             right.markers(&[(cell.0, cell.1)], marker, 24.0, shade)?;
         }
         right.finish("(b) mean error, bars: 95 % interval")?;
+        if cells
+            .iter()
+            .any(|cell| periods_style(&cell.0.to_string()).is_none())
+        {
+            entries.push(Entry {
+                stroke: None,
+                marker: Some((Marker::Disc, colour::GREY)),
+                text: "other M, without paths".to_string(),
+            });
+        }
         legend(sheet, [120.0, 80.0], 1620.0, &entries)?;
         Ok(())
     })
@@ -121,12 +124,14 @@ mod tests {
 
     #[test]
     fn the_title_says_what_the_numbers_say() {
-        let more = "More periods in a block resolve the Doppler shift, and hold the path";
-        assert_eq!(title(&[(6.0, 0.028), (1.0, 0.083), (8.0, 0.03)]), more);
+        assert_eq!(
+            title(&[(6.0, 0.028), (1.0, 0.083), (8.0, 0.03)]),
+            "8 periods in a block in place of 1 lower the mean error: 0.083 to 0.030 m"
+        );
         assert_eq!(
             title(&[(2.0, 0.015), (6.0, 0.019)]),
             "M = 2 does no worse than M = 6 on this drive: 0.015 and 0.019 m"
         );
-        assert_eq!(title(&[(6.0, 0.019)]), more);
+        assert_eq!(title(&[(6.0, 0.019)]), "Mean error 0.019 m with M = 6");
     }
 }

@@ -6,9 +6,9 @@ use anyhow::{Context, Result};
 use plotters::style::RGBColor;
 use serde::Deserialize;
 
-use super::axes::{Axes, LABEL};
+use super::axes::Axes;
 use super::axis::Axis;
-use super::canvas::{self, Canvas, Marker, Stroke};
+use super::canvas::{self, Canvas, LABEL, Marker, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
 use crate::bench::peaks::Peaks;

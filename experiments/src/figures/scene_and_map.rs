@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::canvas::{self, Stroke};
+use super::canvas::{self, LABEL, Stroke};
 use super::colour;
 use super::layout::{Layout, drive_points, path};
 use super::legend::{Entry, legend};
@@ -19,6 +19,23 @@ pub(crate) struct MapPlace {
     pub(crate) origin_m: [f64; 2],
     /// Width of a pixel, metres.
     pub(crate) cell_m: f64,
+}
+
+/// Quantiles of the pixels in the frame at which the colour scale begins and ends.
+const CUT: [f64; 2] = [0.05, 0.995];
+
+/// What the ends of the colour scale leave out: shares of the `values` (of their maximum) below and above it.
+fn cut_note(values: &[f64], scale: [f64; 2]) -> String {
+    let share = |out: &dyn Fn(f64) -> bool| {
+        let count = values.iter().filter(|value| out(**value)).count();
+        100.0 * count as f64 / values.len().max(1) as f64
+    };
+    let (below, above) = (
+        share(&|value| value < scale[0]),
+        share(&|value| value > scale[1]),
+    );
+    let greatest = values.iter().copied().fold(0.0, f64::max);
+    format!("colours end: {below:.1} % of pixels lower, {above:.1} % higher, to {greatest:.2}")
 }
 
 /// Draws the figure.
@@ -42,7 +59,8 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         ("localization", Stroke::solid(colour::BLUE, 5.0)),
     ];
     canvas::draw(picture, 1800, 980, |sheet| {
-        let title = "The scene, and the image of its walls that echoes alone give";
+        let title =
+            "The scene, and the image of its walls from echoes at the known poses of a drive";
         sheet.title(title)?;
         let left = layout.axes(sheet, [120.0, 130.0, 810.0, 820.0]);
         left.grid()?;
@@ -82,17 +100,38 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             .map(|(_, value)| f64::from(*value))
             .collect();
         let greatest = quantile(&values, 1.0).max(f64::MIN_POSITIVE);
+        let values: Vec<f64> = values.iter().map(|value| value / greatest).collect();
         let shown = map.mapv(|value| (f64::from(value) / greatest) as f32);
-        let scale = [
-            quantile(&values, 0.05) / greatest,
-            quantile(&values, 0.995) / greatest,
-        ];
+        let scale = CUT.map(|share| quantile(&values, share));
         right.image(shown.view(), spans, scale)?;
         layout.walls(
             &right,
             Stroke::solid(plotters::style::WHITE, 3.0).dashed(&[10.0, 10.0]),
         )?;
         right.finish("(b) map image (dashed: true walls)")?;
-        right.colour_bar(scale, "reflected intensity / maximum")
+        let lowest = quantile(&values, 0.0);
+        let beyond = [lowest < scale[0], scale[1] < 1.0];
+        right.colour_bar(scale, beyond, "reflected intensity / maximum")?;
+        sheet.text(
+            &cut_note(&values, scale),
+            [1770.0, 947.0],
+            (-1, 0),
+            LABEL - 4.0,
+            false,
+            false,
+        )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cut_note;
+
+    #[test]
+    fn the_note_counts_what_the_colours_cut() {
+        assert_eq!(
+            cut_note(&[0.0, 0.2, 0.3, 0.4, 1.0], [0.1, 0.4]),
+            "colours end: 20.0 % of pixels lower, 20.0 % higher, to 1.00"
+        );
+    }
 }

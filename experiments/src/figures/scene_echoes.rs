@@ -1,4 +1,5 @@
-//! Echoes of the paper-size scene, field beside image sources: the signals at one place, and level and delay of every echo that stands alone.
+//! Echoes of the paper-size scene, field beside image sources: the signals at one place, and level and delay of every
+//! echo that stands alone.
 
 use std::path::Path;
 

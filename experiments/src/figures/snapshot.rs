@@ -39,8 +39,9 @@ impl Frame {
     }
 }
 
-/// Draws a frame of the drive `path` into `folder`; the file name holds the time in microseconds. Red is pressure above, blue below the mean; the scale is the
-/// frame's own. A drive in free field has a domain of its own, without walls.
+/// Draws a frame of the drive `path` into `folder`; the file name holds the time in microseconds. Red is pressure
+/// above, blue below the mean; the scale is the frame's own. A drive in free field has a domain of its own, without
+/// walls.
 ///
 /// # Errors
 /// When the scene has no such path or the picture cannot be written.

@@ -12,6 +12,21 @@ use super::legend::{Entry, legend};
 use crate::metrics::mean;
 use crate::table::Table;
 
+/// What is to be seen, from bias and spread of the error of the turn rate in rad/s, counter-clockwise positive.
+fn title(bias: f64, spread: f64) -> String {
+    let way = if bias < 0.0 {
+        "clockwise"
+    } else {
+        "counter-clockwise"
+    };
+    let bias = bias.abs();
+    if spread < 1e-3 {
+        format!("Wheel odometry turns {bias:.3} rad/s too far {way} during the whole drive")
+    } else {
+        format!("The wheels slip: they turn {bias:.3} \u{b1} {spread:.3} rad/s too far {way}")
+    }
+}
+
 /// Draws the figure.
 ///
 /// # Errors
@@ -32,12 +47,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let measured = Stroke::solid(colour::VERMILLION, 5.0).dashed(&[20.0, 10.0]);
     let truth = Stroke::solid(colour::BLACK, 3.0);
     canvas::draw(picture, 1600, 1100, |sheet| {
-        let title = if spread < 1e-3 {
-            format!("Wheel odometry turns {bias:.3} rad/s too fast during the whole drive")
-        } else {
-            format!("The wheels slip: they turn {bias:.3} \u{b1} {spread:.3} rad/s too fast")
-        };
-        sheet.title(&title)?;
+        sheet.title(&title(bias, spread))?;
         let panels = [
             (
                 "(a) linear speed",
@@ -46,7 +56,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
                 "v_odometry_mps",
             ),
             (
-                "(b) angular speed",
+                "(b) angular speed, counter-clockwise positive",
                 "turn rate \u{3c9} [rad/s]",
                 "omega_radps",
                 "omega_odometry_radps",
@@ -75,4 +85,21 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         legend(sheet, [190.0, 82.0], 1300.0, &entries)?;
         Ok(())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::title;
+
+    #[test]
+    fn the_title_says_which_way_the_odometry_errs() {
+        assert_eq!(
+            title(0.01, 0.0),
+            "Wheel odometry turns 0.010 rad/s too far counter-clockwise during the whole drive"
+        );
+        assert_eq!(
+            title(-0.012, 0.027),
+            "The wheels slip: they turn 0.012 \u{b1} 0.027 rad/s too far clockwise"
+        );
+    }
 }

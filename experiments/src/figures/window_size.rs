@@ -8,23 +8,34 @@ use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker};
 use super::legend::{Entry, legend};
-use super::{means_by, method_style};
+use super::means::means_by;
+use super::style::method_style;
 use crate::table::Table;
 
 /// A window whose error exceeds the least by no more than this part does about as well.
 const ABOUT_AS_WELL: f64 = 0.25;
 
-/// What one sees: the range of windows that do about as well as the best, and the best.
-fn title(curve: &[(f64, f64)], best_m: f64, best_mae: f64) -> String {
-    let bound = (1.0 + ABOUT_AS_WELL) * best_mae;
-    let mut well = curve.iter().filter(|point| point.1 <= bound);
-    let from = well.next().map_or(best_m, |point| point.0);
-    let to = well.next_back().map_or(from, |point| point.0);
-    let which = match from < to {
-        true => format!("Windows of {from:.1} to {to:.1} m do best"),
-        false => "One size of window does best".to_owned(),
+/// What is to be seen: the least error, and every range of neighbouring windows that do about as well.
+fn title(curve: &[(f64, f64)]) -> String {
+    let Some(best) = curve.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return "No window was tried".to_string();
     };
-    format!("{which}: {best_mae:.3} m at {best_m:.1} m")
+    let well = |point: &(f64, f64)| point.1 <= (1.0 + ABOUT_AS_WELL) * best.1;
+    let ranges: Vec<String> = curve
+        .chunk_by(|a, b| well(a) == well(b))
+        .filter(|run| well(&run[0]))
+        .map(|run| match run {
+            [only] => format!("{:.1}", only.0),
+            _ => format!("{:.1} to {:.1}", run[0].0, run[run.len() - 1].0),
+        })
+        .collect();
+    format!(
+        "Least error {:.3} m at {:.1} m; within {:.0} % of it: {} m",
+        best.1,
+        best.0,
+        100.0 * ABOUT_AS_WELL,
+        ranges.join(" and ")
+    )
 }
 
 /// Draws the figure.
@@ -35,7 +46,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let table = Table::read(&data.join("window_size.csv"))?;
     let cells = means_by(&table, "half_width_m", "mae_m")?;
     let best = cells.iter().min_by(|a, b| a.1.total_cmp(&b.1)).copied();
-    let (best_m, best_mae, _) = best.unwrap_or((0.0, 0.0, [0.0; 2]));
+    let best_mae = best.map_or(0.0, |cell| cell.1);
     let (stroke, _) = method_style("doppler");
     let curve: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1)).collect();
     let whiskers: Vec<(f64, f64, f64)> = cells
@@ -59,17 +70,18 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         .chain([lowest])
         .collect();
     canvas::draw(picture, 1800, 960, |sheet| {
-        let title = title(&curve, best_m, best_mae);
-        sheet.title(&title)?;
+        sheet.title(&title(&curve))?;
+        let near = Axis::around(close, 0.1, "MAE of position [m]");
+        let enlarged = match highest > near.high {
+            true => "(b) enlarged: larger errors lie above",
+            false => "(b) enlarged",
+        };
         let panels = [
             (
                 "(a) whole",
                 Axis::new(0.0, 1.06 * highest, "MAE of position [m]"),
             ),
-            (
-                "(b) enlarged",
-                Axis::around(close, 0.1, "MAE of position [m]"),
-            ),
+            (enlarged, near),
         ];
         for (index, (name, y)) in panels.into_iter().enumerate() {
             let left = 170.0 + 880.0 * index as f64;
@@ -96,8 +108,13 @@ mod tests {
     use super::title;
 
     #[test]
-    fn the_title_says_how_wide_the_minimum_is() {
-        let flat = [
+    fn the_title_says_which_windows_do_about_as_well() {
+        let flat = [(3.0, 0.4), (4.0, 0.035), (4.5, 0.03), (6.0, 0.036)];
+        assert_eq!(
+            title(&flat),
+            "Least error 0.030 m at 4.5 m; within 25 % of it: 4.0 to 6.0 m"
+        );
+        let gap = [
             (3.0, 0.4),
             (4.0, 0.035),
             (4.5, 0.03),
@@ -105,13 +122,13 @@ mod tests {
             (6.0, 0.036),
         ];
         assert_eq!(
-            title(&flat, 4.5, 0.03),
-            "Windows of 4.0 to 6.0 m do best: 0.030 m at 4.5 m"
+            title(&gap),
+            "Least error 0.030 m at 4.5 m; within 25 % of it: 4.0 to 4.5 and 6.0 m"
         );
         let sharp = [(3.0, 0.4), (4.0, 0.02), (5.0, 0.04)];
         assert_eq!(
-            title(&sharp, 4.0, 0.02),
-            "One size of window does best: 0.020 m at 4.0 m"
+            title(&sharp),
+            "Least error 0.020 m at 4.0 m; within 25 % of it: 4.0 m"
         );
     }
 }

@@ -46,15 +46,6 @@ const GAUSSIAN_SIGMA_CELLS: f64 = 0.8;
 const GAUSSIAN_REACH: usize = 4;
 
 /// How a point between cell centres is spread or interpolated, the same along x and y.
-///
-/// ```
-/// use fdtd::spread::Spread;
-///
-/// let stencil = Spread::Bilinear.stencil([20.25, 30.5]);
-/// let cells = |weights: [f32; 12]| weights.into_iter().filter(|&weight| weight != 0.0).collect::<Vec<_>>();
-/// assert_eq!(cells(stencil.wx), [0.75, 0.25]);
-/// assert_eq!(cells(stencil.wy), [0.5, 0.5]);
-/// ```
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
 )]
@@ -118,6 +109,15 @@ impl Spread {
     ///
     /// # Panics
     /// When a coordinate is below 5 or not finite: scenes keep paths clear of the domain's edge.
+    ///
+    /// ```
+    /// use fdtd::spread::Spread;
+    ///
+    /// let stencil = Spread::Bilinear.stencil([20.25, 30.5]);
+    /// let cells = |weights: [f32; 12]| weights.into_iter().filter(|&weight| weight != 0.0).collect::<Vec<_>>();
+    /// assert_eq!(cells(stencil.wx), [0.75, 0.25]);
+    /// assert_eq!(cells(stencil.wy), [0.5, 0.5]);
+    /// ```
     pub fn stencil(self, point_cells: [f64; 2]) -> Stencil {
         let [x, y] = point_cells;
         assert!(

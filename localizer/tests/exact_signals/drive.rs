@@ -30,7 +30,6 @@ fn parameters() -> Parameters {
             window_half_width_m: 3.0,
             ..FilterParameters::default()
         },
-        ..Parameters::default()
     }
 }
 

@@ -92,7 +92,9 @@ impl Room {
         match self {
             Self::Open => Vec::new(),
             // From layer to layer, or free.
-            Self::Wall if turn % 3 == 0 => vec![wall(&[[5.0, 0.0], [5.0, ROOM as f64]].map(place))],
+            Self::Wall if turn.is_multiple_of(3) => {
+                vec![wall(&[[5.0, 0.0], [5.0, ROOM as f64]].map(place))]
+            }
             Self::Wall => vec![wall(&[[5.0, 3.0], [5.0, 13.0]].map(place))],
             Self::Corner => vec![wall(&[[4.0, 13.0], [4.0, 4.0], [13.0, 4.0]].map(place))],
             Self::CutCells => vec![wall(&slanted)],
@@ -174,7 +176,7 @@ pub fn growth(setup: FieldSetup, courant: f64, turn: usize) -> f64 {
     let mut most = || {
         (0..half_swing).fold(0.0_f64, |most, step| {
             field.step();
-            if step % STRIDE == 0 {
+            if step.is_multiple_of(STRIDE) {
                 most.max(field.norm())
             } else {
                 most

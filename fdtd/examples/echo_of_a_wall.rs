@@ -14,7 +14,7 @@ const SCENE: &str = r#"{
     "medium": { "c_mps": 340.0, "rho_kgpm3": 1.293 },
     "grid": { "nx": 400, "ny": 240, "dx_m": 0.01, "dt_s": 1.6666666666666667e-05 },
     "walls": [{ "points_m": [[0.4, 2.0], [3.6, 2.0]], "thickness_m": 0.04 }],
-    "waveform": { "band_hz": [500.0, 5000.0] },
+    "waveform": { "carrier_hz": 2500.0, "band_hz": [500.0, 5000.0] },
     "sample_rate_hz": 20000.0,
     "robot": { "loudspeaker_offset_m": [0.3, 0.0], "microphone_offset_m": [-0.3, 0.0] },
     "paths": {

@@ -247,14 +247,17 @@ impl Checker<'_> {
         let Scene {
             grid, layer_cells, ..
         } = self.scene;
-        let layer_m = *layer_cells as f64 * grid.dx_m;
+        // The layer's slopes do not know faces that a wall closes: its stencil must not reach one.
+        let reach = self.scene.scheme.radius();
+        let layer_m = (layer_cells + reach) as f64 * grid.dx_m;
         let [width_m, height_m] = grid.size_m();
-        // A rim on the layer's edge is inside; rounding must not decide.
+        // A rim on the edge of what is allowed is inside; rounding must not decide.
         let slack_m = 1e-9 * grid.dx_m;
         let open_air = |[x, y]: [f64; 2]| {
             (layer_m - slack_m..=width_m - layer_m + slack_m).contains(&x)
                 && (layer_m - slack_m..=height_m - layer_m + slack_m).contains(&y)
         };
+        let beyond = format!("m, {reach} cells off the absorbing layer");
         let thinnest_m = MIN_WALL_CELLS * grid.dx_m;
         for (index, wall) in self.scene.walls.iter().enumerate() {
             let field = format!("walls[{index}]");
@@ -272,14 +275,14 @@ impl Checker<'_> {
                     x,
                     layer_m,
                     width_m - layer_m,
-                    "m, outside the absorbing layer",
+                    &beyond,
                 )?;
                 self.within(
                     &format!("{field}.points_m[{point}][1]"),
                     y,
                     layer_m,
                     height_m - layer_m,
-                    "m, outside the absorbing layer",
+                    &beyond,
                 )?;
             }
             // Written so that NaN is refused; a wall of more than the domain is caught by its outline.
@@ -304,8 +307,9 @@ impl Checker<'_> {
                     );
                 }
                 if !wall.outline_m(segment).into_iter().all(open_air) {
-                    let problem =
-                        "with its thickness the wall reaches into the absorbing layer".to_string();
+                    let problem = format!(
+                        "with its thickness the wall is in the absorbing layer or within {reach} cells of it"
+                    );
                     let remedy = format!("keep walls {layer_m} m from the domain's edge");
                     return self.refuse(
                         &format!("{field}.points_m[{}]", number + 1),

@@ -221,15 +221,17 @@ fn walls_in_the_layer_are_refused() {
     for (points, expected) in [
         (json!([[0.05, 0.2], [0.3, 0.2]]), "walls[0].points_m[0][0]"),
         (json!([[0.3, 0.2], [0.3, 0.79]]), "walls[0].points_m[1][1]"),
-        (json!([[0.3, 0.105], [0.6, 0.105]]), "with its thickness"),
+        (json!([[0.3, 0.115], [0.6, 0.115]]), "with its thickness"),
+        // The layer's slopes would meet faces that the wall closes, and a mode would grow.
+        (json!([[0.1, 0.2], [0.3, 0.2]]), "walls[0].points_m[0][0]"),
     ] {
         let message = refusal(&with("/walls/0/points_m", points));
         assert!(message.contains(expected), "{message}");
     }
-    // Flush with the layer is right.
+    // As far from the layer as the stencil reaches is right.
     read(&with(
         "/walls/0/points_m",
-        json!([[0.1, 0.11], [0.6, 0.11]]),
+        json!([[0.11, 0.12], [0.6, 0.12]]),
     ))
     .unwrap();
 }

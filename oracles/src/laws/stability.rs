@@ -73,8 +73,9 @@ impl Room {
         }
     }
 
-    /// The walls, in cells from the room's lower left corner; `turn` varies place, slant and impedance.
-    fn walls(self, turn: usize, rho_c: f64) -> Vec<Wall> {
+    /// The walls, in cells from the room's lower left corner; `turn` varies place, slant and
+    /// impedance, `gap` is what a scene must leave between walls and layers.
+    fn walls(self, turn: usize, gap: f64, rho_c: f64) -> Vec<Wall> {
         let shift = (turn % 7) as f64 / 7.0;
         let wall = |points: &[[f64; 2]]| Wall {
             points_m: points.to_vec(),
@@ -91,9 +92,9 @@ impl Room {
         let slanted = [[3.0 + shift, 3.0], [6.0 + 3.0 * shift, 13.0]].map(place);
         match self {
             Self::Open => Vec::new(),
-            // From layer to layer, or free.
+            // From one side to the other, as near to the layers as a scene may have it, or free.
             Self::Wall if turn.is_multiple_of(3) => {
-                vec![wall(&[[5.0, 0.0], [5.0, ROOM as f64]].map(place))]
+                vec![wall(&[[5.0, gap], [5.0, ROOM as f64 - gap]].map(place))]
             }
             Self::Wall => vec![wall(&[[5.0, 3.0], [5.0, 13.0]].map(place))],
             Self::Corner => vec![wall(&[[4.0, 13.0], [4.0, 4.0], [13.0, 4.0]].map(place))],
@@ -140,7 +141,11 @@ pub fn setup(
         rho_kgpm3: RHO_KGPM3,
     };
     let low = layer_cells.next_multiple_of(8) as f64;
-    let mut walls = room.walls(turn, medium.rho_kgpm3 * medium.c_mps);
+    let mut walls = room.walls(
+        turn,
+        scheme.radius() as f64,
+        medium.rho_kgpm3 * medium.c_mps,
+    );
     for wall in &mut walls {
         wall.thickness_m *= DX_M;
         for point in &mut wall.points_m {

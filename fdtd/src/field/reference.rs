@@ -8,11 +8,14 @@ use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row,
 use crate::boundary::Reaction;
 use crate::number::Real;
 use crate::pml::Profile;
-use crate::scheme::{RESTORING_QUANTUM, Scheme};
+use crate::scheme::Scheme;
 use crate::spread::TAPS;
 
 /// Cells of zero pressure around the grid, as many as the widest stencil reaches.
 const RIM: usize = 3;
+
+/// Square root of the restoring quantum: radians a step of what it makes swing.
+const SWING: f64 = 3.452_669_830_012_439e-4;
 
 /// Two time levels in plain row order with a rim of zeros.
 #[derive(Debug, Clone)]
@@ -234,38 +237,52 @@ impl PreciseField {
         self.0.silence_walls();
     }
 
-    /// Sets both time levels, `[iy, ix]`, where the walls leave air; the memory of layers and surfaces stays.
-    ///
-    /// # Panics
-    /// When the number of cells is another.
-    pub fn set_pressure(&mut self, pressure: &[f64]) {
-        let field = &mut self.0;
-        let (stride, nx) = (field.stride(), field.setup.nx);
-        assert_eq!(
-            pressure.len(),
-            nx * field.setup.ny,
-            "pressure of another grid"
-        );
-        for (iy, row) in pressure.chunks_exact(nx).enumerate() {
-            let at = (iy + RIM) * stride + RIM;
-            field.now[at..at + nx].copy_from_slice(row);
-            field.other[at..at + nx].copy_from_slice(row);
+    /// All that the field remembers, as one vector: pressure `[iy, ix]`, its change over the last step in units of `sqrt(2^-23)`, the memory of
+    /// the layers along x and y, and that of the surfaces. In these units what the restoring quantum alone makes swing keeps its length.
+    pub fn vector(&self) -> Vec<f64> {
+        let field = &self.0;
+        let (now, past) = (field.plain(&field.now), field.plain(&field.other));
+        let change = now
+            .iter()
+            .zip(&past)
+            .map(|(now, past)| (now - past) / SWING);
+        let mut vector: Vec<f64> = now.iter().copied().chain(change).collect();
+        for memory in [&field.layer_x, &field.layer_y, &field.surfaces] {
+            vector.extend_from_slice(memory);
         }
-        field.silence_walls();
-        std::mem::swap(&mut field.now, &mut field.other);
-        field.silence_walls();
+        vector
     }
 
-    /// Root of the sum of squares of pressure, of its change over a step in units of `sqrt(2^-23)`, and of what layers and surfaces remember: what the
-    /// restoring quantum alone makes swing has the same size in every phase.
-    pub fn norm(&self) -> f64 {
-        let field = &self.0;
-        let scale = 1.0 / f64::from(RESTORING_QUANTUM);
-        let levels = field.now.iter().zip(&field.other);
-        let pressure = levels.map(|(now, past)| now * now + (now - past).powi(2) * scale);
-        let memory = [&field.layer_x, &field.layer_y, &field.surfaces];
-        let memory = memory.into_iter().flatten().map(|number| number * number);
-        pressure.chain(memory).sum::<f64>().sqrt()
+    /// Takes over what [`PreciseField::vector`] gave, or a sum of such vectors; of another one, zero in solid cells, what a step can have left.
+    ///
+    /// # Panics
+    /// When the length is another.
+    pub fn set_vector(&mut self, vector: &[f64]) {
+        let field = &mut self.0;
+        let (stride, nx) = (field.stride(), field.setup.nx);
+        let (now, rest) = vector.split_at(nx * field.setup.ny);
+        let (change, rest) = rest.split_at(nx * field.setup.ny);
+        let (layer_x, rest) = rest.split_at(field.layer_x.len());
+        let (layer_y, surfaces) = rest.split_at(field.layer_y.len());
+        for (iy, (now, change)) in now
+            .chunks_exact(nx)
+            .zip(change.chunks_exact(nx))
+            .enumerate()
+        {
+            let at = (iy + RIM) * stride + RIM;
+            field.now[at..at + nx].copy_from_slice(now);
+            let past = field.other[at..at + nx].iter_mut();
+            for (past, (now, change)) in past.zip(now.iter().zip(change)) {
+                *past = now - change * SWING;
+            }
+        }
+        for _ in 0..2 {
+            field.silence_walls();
+            std::mem::swap(&mut field.now, &mut field.other);
+        }
+        field.layer_x.copy_from_slice(layer_x);
+        field.layer_y.copy_from_slice(layer_y);
+        field.surfaces.copy_from_slice(surfaces);
     }
 }
 

@@ -56,6 +56,7 @@ pub mod filter;
 mod fnv;
 pub mod image;
 pub mod io;
+pub mod landmarks;
 pub mod likelihood;
 pub mod localizer;
 pub mod multipath;

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use clap::Subcommand;
-use fdtd::scene::Scene;
+use clap::{Subcommand, ValueEnum};
+use fdtd::scene::{LayoutKind, Scene, random};
 
 use super::output::{print, print_json};
+use crate::atomic;
 use crate::click;
 use crate::figures::field;
 use crate::figures::scene::draw;
@@ -47,9 +48,34 @@ enum Command {
         #[arg(long, value_name = "SECONDS", requires = "click")]
         after: Option<f64>,
     },
+    /// Draw walls, air and two drives of 40 s at random, and write them as a scene file.
+    #[command(
+        after_help = "Example:\n  echolot scene random --kind room --seed 7 -o room_7.json\n\n\
+        Equal kinds and seeds give equal files. Drives are called mapping and localization."
+    )]
+    Random {
+        /// Arrangement of the walls.
+        #[arg(long, value_enum)]
+        kind: Kind,
+        /// Seed of the layout and its drives.
+        #[arg(long, value_name = "N")]
+        seed: u64,
+        /// The scene file.
+        #[arg(short, long, value_name = "FILE")]
+        output: PathBuf,
+    },
     /// Print the JSON schema of scene files.
     #[command(after_help = "Example:\n  echolot scene schema > scenes/scene.schema.json")]
     Schema,
+}
+
+/// Arrangement of the walls of a random layout.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// Three to five single walls.
+    Open,
+    /// A rectangular room in any orientation, with gaps.
+    Room,
 }
 
 impl Arguments {
@@ -74,6 +100,16 @@ impl Arguments {
                     }
                     None => draw(&scene, &output)?,
                 }
+                eprintln!("wrote {}", output.display());
+                Ok(())
+            }
+            Command::Random { kind, seed, output } => {
+                let kind = match kind {
+                    Kind::Open => LayoutKind::Open,
+                    Kind::Room => LayoutKind::Room,
+                };
+                let text = serde_json::to_string_pretty(&random::layout(kind, seed))?;
+                atomic::write(&output, text.as_bytes())?;
                 eprintln!("wrote {}", output.display());
                 Ok(())
             }

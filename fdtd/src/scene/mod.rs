@@ -5,7 +5,10 @@ mod clearance;
 mod file;
 mod locate;
 mod path_file;
+pub mod random;
 mod wall_file;
+
+pub use self::random::LayoutKind;
 
 use crate::error::Error;
 use crate::grid::{Grid, Medium};

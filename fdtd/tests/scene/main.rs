@@ -3,6 +3,7 @@
 mod any_change;
 mod fields;
 mod project;
+mod random;
 mod refused;
 
 use fdtd::scene::Scene;

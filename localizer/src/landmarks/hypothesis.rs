@@ -1,0 +1,355 @@
+//! One hypothesis of the pose: a Gaussian over pose, errors of the wheels and speed of sound, and its two steps.
+//!
+//! State, in this order: x and y in metres, heading in radians, what the wheels' turn rate lacks in rad/s, and, as
+//! parts of one, what their speed lacks and what the set speed of sound lacks.
+
+use nalgebra::{Matrix3, RowVector6, SMatrix, Vector6};
+
+use super::landmark::Motion;
+use super::map::LandmarkMap;
+use super::peaks::{MOST_PEAKS, Peak};
+use crate::odometry::Odometry;
+use crate::pose::{Pose, wrap_angle};
+
+/// Covariance of the state.
+pub type Covariance = SMatrix<f64, 6, 6>;
+
+/// Standard deviations of the robot's motion and of its echoes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// White noise of the speed as a density, metres per root second.
+    pub way_m: f64,
+    /// White noise of the turn rate as a density, radians per root second.
+    pub turn_rad: f64,
+    /// Wandering of the turn rate's error, rad/s per root second.
+    pub turn_rate_drift_radps: f64,
+    /// Wandering of the speed's error, parts per root second.
+    pub speed_drift: f64,
+    /// First uncertainty of the turn rate's error in rad/s.
+    pub turn_rate_radps: f64,
+    /// First uncertainty of the speed's error as a part of one.
+    pub speed: f64,
+    /// First uncertainty of the speed of sound as a part of one.
+    pub sound: f64,
+    /// What every range is uncertain by, beside its landmark's, in metres.
+    pub range_m: f64,
+    /// Blocks of which the errors are alike: they overlap, and interfering echoes stay beside each other.
+    pub alike_blocks: f64,
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self {
+            way_m: 0.002,
+            turn_rad: 0.006,
+            turn_rate_drift_radps: 0.02,
+            speed_drift: 0.005,
+            turn_rate_radps: 0.03,
+            speed: 0.02,
+            sound: 0.003,
+            range_m: 0.0006,
+            alike_blocks: 2.0,
+        }
+    }
+}
+
+/// One block as a filter takes it in.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen<'a> {
+    /// Its peaks, strongest first.
+    pub peaks: &'a [Peak],
+    /// Standard deviation of their cosines.
+    pub cosine_sigma: f64,
+    /// Odometry during the block.
+    pub odometry: Odometry,
+}
+
+/// Squared Mahalanobis distance up to which a peak may belong to a landmark.
+const GATE: f64 = 16.0;
+/// Degrees of freedom of the residuals' heavy tails.
+const TAILS: f64 = 4.0;
+/// Peaks of no landmark to be expected, per metre of range and unit of cosine.
+const CLUTTER: f64 = 0.8;
+
+/// Echoes of landmarks that a hypothesis finds in a block.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Fit {
+    /// Logarithm of the block's likelihood over that of a block of clutter.
+    pub log_likelihood: f64,
+    /// Landmarks that should have been seen (their probabilities, summed up).
+    pub expected: f64,
+    /// Those of them that were seen.
+    pub found: f64,
+}
+
+/// A hypothesis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hypothesis {
+    /// Mean of the state; the heading is in (-pi, pi].
+    pub state: Vector6<f64>,
+    /// Its covariance.
+    pub covariance: Covariance,
+    /// Logarithm of its weight.
+    pub log_weight: f64,
+}
+
+/// A peak and the landmark that it belongs to.
+#[derive(Debug, Clone, Copy)]
+struct Match {
+    peak: usize,
+    landmark: usize,
+    /// Probability that they belong together.
+    probability: f64,
+}
+
+impl Hypothesis {
+    /// A hypothesis around a pose with standard deviations in metres and radians.
+    pub fn new(pose: &Pose, sigma_m: f64, sigma_rad: f64, noise: &Noise) -> Self {
+        let sigmas = [
+            sigma_m,
+            sigma_m,
+            sigma_rad,
+            noise.turn_rate_radps,
+            noise.speed,
+            noise.sound,
+        ];
+        Self {
+            state: Vector6::new(pose.x_m, pose.y_m, pose.heading_rad, 0.0, 0.0, 0.0),
+            covariance: Covariance::from_diagonal(&Vector6::from(
+                sigmas.map(|sigma| sigma * sigma),
+            )),
+            log_weight: 0.0,
+        }
+    }
+
+    /// The mean pose.
+    pub fn pose(&self) -> Pose {
+        Pose {
+            x_m: self.state[0],
+            y_m: self.state[1],
+            heading_rad: self.state[2],
+        }
+    }
+
+    /// The robot's motion during a block, less the errors of its wheels.
+    fn motion(&self, seen: &Seen<'_>, map: &LandmarkMap) -> Motion {
+        Motion {
+            odometry: Odometry {
+                v_mps: seen.odometry.v_mps * (1.0 + self.state[4]),
+                omega_radps: seen.odometry.omega_radps + self.state[3],
+            },
+            c_mps: map.parameters.signal.speed_of_sound_mps * (1.0 + self.state[5]),
+        }
+    }
+
+    /// Covariance of the pose.
+    pub fn pose_covariance(&self) -> Matrix3<f64> {
+        self.covariance.fixed_view::<3, 3>(0, 0).into_owned()
+    }
+
+    /// Moves the robot by its wheels for `duration_s`, along the heading in the middle of the step (eq. (8) with the
+    /// wheels' errors as states).
+    pub fn predict(&mut self, odometry: Odometry, duration_s: f64, noise: &Noise) {
+        let v_mps = odometry.v_mps * (1.0 + self.state[4]);
+        let omega_radps = odometry.omega_radps + self.state[3];
+        let (way_m, turn_rad) = (v_mps * duration_s, omega_radps * duration_s);
+        let (sine, cosine) = (self.state[2] + 0.5 * turn_rad).sin_cos();
+        self.state[0] += way_m * cosine;
+        self.state[1] += way_m * sine;
+        self.state[2] = wrap_angle(self.state[2] + turn_rad);
+        let mut by_state = Covariance::identity();
+        by_state[(0, 2)] = -way_m * sine;
+        by_state[(1, 2)] = way_m * cosine;
+        by_state[(0, 3)] = -0.5 * way_m * sine * duration_s;
+        by_state[(1, 3)] = 0.5 * way_m * cosine * duration_s;
+        by_state[(2, 3)] = duration_s;
+        by_state[(0, 4)] = odometry.v_mps * duration_s * cosine;
+        by_state[(1, 4)] = odometry.v_mps * duration_s * sine;
+        self.covariance = by_state * self.covariance * by_state.transpose();
+        let along = Vector6::new(cosine, sine, 0.0, 0.0, 0.0, 0.0) * noise.way_m;
+        let turn = Vector6::new(
+            -0.5 * way_m * sine,
+            0.5 * way_m * cosine,
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+        ) * noise.turn_rad;
+        self.covariance += (along * along.transpose() + turn * turn.transpose()) * duration_s;
+        self.covariance[(3, 3)] += noise.turn_rate_drift_radps.powi(2) * duration_s;
+        self.covariance[(4, 4)] += noise.speed_drift.powi(2) * duration_s;
+    }
+
+    /// Takes in the peaks of a block; the weight changes by the block's likelihood.
+    pub fn update(&mut self, seen: &Seen<'_>, map: &LandmarkMap, noise: &Noise) -> Fit {
+        let prior = (self.state, self.covariance);
+        let Some(prior_information) = prior.1.cholesky().map(|root| root.inverse()) else {
+            return Fit::default();
+        };
+        let mut fit = Fit::default();
+        for round in 0..3 {
+            let mut matches = [Match {
+                peak: 0,
+                landmark: 0,
+                probability: 0.0,
+            }; MOST_PEAKS];
+            let (count, here) = self.associate(seen, map, noise, &mut matches);
+            if round == 0 {
+                fit = here;
+            }
+            let mut information = prior_information;
+            let mut difference = self.state - prior.0;
+            difference[2] = wrap_angle(difference[2]);
+            let mut pull = -(prior_information * difference);
+            for found in &matches[..count] {
+                let row = Row::new(
+                    self,
+                    &seen.peaks[found.peak],
+                    found.landmark,
+                    seen,
+                    map,
+                    noise,
+                );
+                let weight = found.probability * (TAILS + 2.0)
+                    / (TAILS + row.squares())
+                    / noise.alike_blocks;
+                for (by_state, residual, variance) in row.parts() {
+                    information += by_state.transpose() * by_state * (weight / variance);
+                    pull += by_state.transpose() * (weight * residual / variance);
+                }
+            }
+            let Some(root) = information.cholesky() else {
+                break;
+            };
+            self.state += root.solve(&pull);
+            self.state[2] = wrap_angle(self.state[2]);
+            self.covariance = root.inverse();
+        }
+        if !self.state.iter().all(|number| number.is_finite()) {
+            (self.state, self.covariance) = prior;
+            return Fit::default();
+        }
+        self.log_weight += fit.log_likelihood / noise.alike_blocks;
+        fit
+    }
+
+    /// Finds the landmark of each peak; returns how many were found, and how well the block fits.
+    fn associate(
+        &self,
+        seen: &Seen<'_>,
+        map: &LandmarkMap,
+        noise: &Noise,
+        matches: &mut [Match; MOST_PEAKS],
+    ) -> (usize, Fit) {
+        let (pose, motion) = (self.pose(), self.motion(seen, map));
+        let mut fit = Fit::default();
+        let mut count = 0;
+        let mut taken = [false; MOST_PEAKS];
+        for (landmark, entry) in map.landmarks.iter().enumerate() {
+            let echo = entry.shape.echo(&pose, &motion);
+            if echo.range_m <= 0.0 {
+                continue;
+            }
+            let visible = entry.visibility.probability(entry.shape.aspect(&pose));
+            let mut best: Option<(usize, f64, f64)> = None;
+            for (number, peak) in seen.peaks.iter().enumerate().take(MOST_PEAKS) {
+                if taken[number] || (peak.range_m - echo.range_m).abs() > 0.5 {
+                    continue;
+                }
+                let row = Row::new(self, peak, landmark, seen, map, noise);
+                let (squares, density) = row.distance(&self.covariance);
+                if squares < GATE && best.is_none_or(|(_, least, _)| squares < least) {
+                    best = Some((number, squares, density));
+                }
+            }
+            fit.expected += visible;
+            // What is missed counts less than what is found: echoes hide each other.
+            fit.log_likelihood += (1.0 - 0.9 * visible).ln();
+            if let Some((number, squares, density)) = best {
+                taken[number] = true;
+                fit.found += visible;
+                fit.log_likelihood -= (1.0 - 0.9 * visible).ln();
+                let ratio = visible * density * (-0.5 * squares).exp() / CLUTTER;
+                fit.log_likelihood += (0.1 + ratio).ln().max(-2.0);
+                if count < matches.len() && visible > 0.02 {
+                    matches[count] = Match {
+                        peak: number,
+                        landmark,
+                        probability: ratio / (1.0 - visible + ratio),
+                    };
+                    count += 1;
+                }
+            }
+        }
+        (count, fit)
+    }
+}
+
+/// Residuals of one peak against one landmark.
+struct Row {
+    residuals: [f64; 2],
+    variances: [f64; 2],
+    by_state: [RowVector6<f64>; 2],
+}
+
+impl Row {
+    fn new(
+        hypothesis: &Hypothesis,
+        peak: &Peak,
+        landmark: usize,
+        seen: &Seen<'_>,
+        map: &LandmarkMap,
+        noise: &Noise,
+    ) -> Self {
+        let entry = &map.landmarks[landmark];
+        let echo = entry
+            .shape
+            .echo(&hypothesis.pose(), &hypothesis.motion(seen, map));
+        let (speed, sound) = (hypothesis.state[4], hypothesis.state[5]);
+        // Ranges are read with the set speed of sound, cosines also with the wheels' speed.
+        let (stretch, slant) = (1.0 - sound, 1.0 + speed - sound);
+        let [rx, ry, rt] = [0, 1, 2].map(|k| echo.range_by_pose[k] * stretch);
+        let [cx, cy, ct] = [0, 1, 2].map(|k| echo.cosine_by_pose[k] * slant);
+        let of_landmark: f64 = (0..2)
+            .flat_map(|a| (0..2).map(move |b| (a, b)))
+            .map(|(a, b)| echo.range_by_shape[a] * entry.covariance[a][b] * echo.range_by_shape[b])
+            .sum();
+        Self {
+            residuals: [
+                peak.range_m - echo.range_m * stretch,
+                peak.cosine - echo.cosine * slant,
+            ],
+            variances: [
+                entry.range_sigma_m.powi(2) + noise.range_m.powi(2) + of_landmark,
+                seen.cosine_sigma.powi(2),
+            ],
+            by_state: [
+                RowVector6::new(rx, ry, rt, 0.0, 0.0, -echo.range_m),
+                RowVector6::new(cx, cy, ct, 0.0, echo.cosine, -echo.cosine),
+            ],
+        }
+    }
+
+    /// Sum of the squared residuals over their variances.
+    fn squares(&self) -> f64 {
+        (0..2)
+            .map(|k| self.residuals[k].powi(2) / self.variances[k])
+            .sum()
+    }
+
+    /// Squared Mahalanobis distance with the state's uncertainty, and the density's factor before the exponential.
+    fn distance(&self, covariance: &Covariance) -> (f64, f64) {
+        let spread = [0, 1].map(|k| covariance * self.by_state[k].transpose());
+        let a = (self.by_state[0] * spread[0])[0] + self.variances[0];
+        let b = (self.by_state[0] * spread[1])[0];
+        let d = (self.by_state[1] * spread[1])[0] + self.variances[1];
+        let determinant = (a * d - b * b).max(1e-12);
+        let [r, c] = self.residuals;
+        let squares = (d * r * r - 2.0 * b * r * c + a * c * c) / determinant;
+        (squares, 1.0 / (std::f64::consts::TAU * determinant.sqrt()))
+    }
+
+    fn parts(&self) -> impl Iterator<Item = (RowVector6<f64>, f64, f64)> + '_ {
+        (0..2).map(|k| (self.by_state[k], self.residuals[k], self.variances[k]))
+    }
+}

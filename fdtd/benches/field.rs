@@ -4,7 +4,9 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use fdtd::field::{FastField, Field, FieldSetup, Injection, ReferenceField, StepForcing, is_quiet};
+use fdtd::field::{
+    FastField, Field, FieldSetup, Injection, ReferenceField, StepForcing, flushes_subnormals,
+};
 use fdtd::grid::{Grid, Medium};
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
@@ -51,7 +53,7 @@ fn forcing(scheme: Scheme, side: usize) -> Vec<StepForcing> {
             amplitude: (0.5 * n as f32).sin(),
         };
         StepForcing {
-            quiet: is_quiet(scheme, n as u64),
+            flush: flushes_subnormals(scheme, n as u64),
             injections: [injection; 2],
             receiver: stencil,
         }

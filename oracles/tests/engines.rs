@@ -61,7 +61,7 @@ fn forcing(grid: &Grid, spread: Spread, steps: usize) -> Vec<StepForcing> {
             let source = spread.stencil([7.0 + w * u, 7.0 + h * (1.0 - u)]);
             let wave = (n as f32 * 0.5).sin() + (n as f32 * 1.3).cos();
             StepForcing {
-                quiet: n % 5 < 2,
+                flush: n % 5 < 2,
                 injections: [
                     Injection {
                         stencil: source,

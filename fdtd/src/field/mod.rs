@@ -7,8 +7,8 @@
 //!
 //! *Subnormal numbers.* Ahead of the first wave front the field falls off through all magnitudes to zero. Some processors take a hundred cycles for
 //! every operation on a number below the normal range, which made the first thousands of steps there ten times as slow as all others. A step that is
-//! [`StepForcing::quiet`] therefore sets to zero what is below [`QUIET_PA`]: in the layers' memory before 2, in the pressure after 3, and once more
-//! after 4 in the cells that 4 changed and in the surfaces' memory; [`is_quiet`] says when that must be. It is part of the step, not of an engine or
+//! [`StepForcing::flush`] therefore sets to zero what is below [`FLUSH_BELOW_PA`]: in the layers' memory before 2, in the pressure after 3, and once more
+//! after 4 in the cells that 4 changed and in the surfaces' memory; [`flushes_subnormals`] says when that must be. It is part of the step, not of an engine or
 //! a processor's mode. What is taken is far below the last digit of anything that is heard; other roundings follow all the same, 120 dB below the
 //! signal. Long drives, to which the start is nothing, go without ([`crate::simulation`]).
 //!
@@ -102,13 +102,13 @@ pub struct Injection {
     pub amplitude: f32,
 }
 
-/// Pressure that a quiet step takes for zero, in Pa: 400 dB below one.
-pub const QUIET_PA: f32 = 1e-20;
+/// Pressure that a flushing step takes for zero, in Pa: 400 dB below one.
+pub const FLUSH_BELOW_PA: f32 = 1e-20;
 
-/// Whether step `step` of a run should be quiet. Two steps in a row are, for a step takes two levels and sets only the newest to zero; then none
+/// Whether step `step` of a run sets small numbers to zero. Two steps in a row do, for a step takes two levels and sets only the newest to zero; then none
 /// until the front, which runs ahead with the stencil's outermost weights (0.3, -0.02, 0.004 on the papers' grid), or the layers' memory, which keeps
 /// a tenth from step to step, comes near to 1e-38, where the normal range of `f32` ends.
-pub fn is_quiet(scheme: Scheme, step: u64) -> bool {
+pub fn flushes_subnormals(scheme: Scheme, step: u64) -> bool {
     let period = match scheme {
         Scheme::Slf => 16,
         Scheme::M13 | Scheme::O13 => 8,
@@ -120,8 +120,8 @@ pub fn is_quiet(scheme: Scheme, step: u64) -> bool {
 /// What the outside does to and reads from one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepForcing {
-    /// Whether the step sets what is below [`QUIET_PA`] to zero.
-    pub quiet: bool,
+    /// Whether the step sets what is below [`FLUSH_BELOW_PA`] to zero.
+    pub flush: bool,
     /// Added to the new pressure, in this order.
     pub injections: [Injection; 2],
     /// Where the new pressure is read.
@@ -182,11 +182,11 @@ fn layer_row(cells: usize, ny: usize, iy: usize) -> Option<usize> {
     }
 }
 
-/// Sets what is below [`QUIET_PA`] to zero.
+/// Sets what is below [`FLUSH_BELOW_PA`] to zero.
 #[inline(always)]
-fn quieten<N: Real>(numbers: &mut [N]) {
+fn flush_subnormals<N: Real>(numbers: &mut [N]) {
     for number in numbers {
-        if number.is_below(QUIET_PA) {
+        if number.is_below(FLUSH_BELOW_PA) {
             *number = N::default();
         }
     }

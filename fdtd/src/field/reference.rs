@@ -4,7 +4,9 @@ mod rows;
 
 use self::rows::{absorb, d25_row, layered_row, m13_row, slf_row};
 use super::stencil::Splat;
-use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row, quieten};
+use super::{
+    Field, FieldSetup, FieldState, StepForcing, combine_rows, flush_subnormals, layer_row,
+};
 use crate::boundary::Reaction;
 use crate::number::Real;
 use crate::pml::Profile;
@@ -53,8 +55,8 @@ impl<N: Real> PlainField<N> {
         self.setup.nx + 2 * RIM
     }
 
-    /// Takes one step, a quiet one or not, and leaves the new pressure in `now`.
-    fn step(&mut self, quiet: bool) {
+    /// Takes one step, a flushing one or not, and leaves the new pressure in `now`.
+    fn step(&mut self, flush: bool) {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
         {
@@ -62,17 +64,17 @@ impl<N: Real> PlainField<N> {
             // slower.
             super::fast::with_avx2(
                 #[inline(always)]
-                || self.rows(quiet),
+                || self.rows(flush),
             );
             std::mem::swap(&mut self.now, &mut self.other);
             return;
         }
-        self.rows(quiet);
+        self.rows(flush);
         std::mem::swap(&mut self.now, &mut self.other);
     }
 
     #[inline(always)]
-    fn rows(&mut self, quiet: bool) {
+    fn rows(&mut self, flush: bool) {
         let (nx, ny, stride) = (self.setup.nx, self.setup.ny, self.stride());
         let (cells, width) = (self.setup.layer.cells(), self.setup.layer.width());
         for iy in 0..ny {
@@ -112,8 +114,8 @@ impl<N: Real> PlainField<N> {
                     layered_row(scheme, &weights, at, layered);
                 }
                 let memory = &mut self.layer_y[at * 3 * nx..(at + 1) * 3 * nx];
-                if quiet {
-                    quieten(memory);
+                if flush {
+                    flush_subnormals(memory);
                 }
                 let [lower, here, upper] = &self.layered;
                 let decay = |_| decay;
@@ -121,8 +123,8 @@ impl<N: Real> PlainField<N> {
             }
             let sides = [(&self.setup.layer, 0), (&self.high, nx - width)];
             let memory = &mut self.layer_x[iy * 6 * width..(iy + 1) * 6 * width];
-            if quiet {
-                quieten(memory);
+            if flush {
+                flush_subnormals(memory);
             }
             let memory = memory.chunks_exact_mut(3 * width.max(1));
             for ((profile, first), memory) in sides.into_iter().zip(memory) {
@@ -144,8 +146,8 @@ impl<N: Real> PlainField<N> {
                     &mut next[first..first + width],
                 );
             }
-            if quiet {
-                quieten(next);
+            if flush {
+                flush_subnormals(next);
             }
             for correction in &self.setup.walls.corrections[iy] {
                 let mut sum = N::default();
@@ -172,15 +174,15 @@ impl<N: Real> PlainField<N> {
                     next[ix] = N::splat(gain).mul_add(change, next[ix]);
                 }
             }
-            if quiet {
+            if flush {
                 for correction in &self.setup.walls.corrections[iy] {
-                    quieten(&mut next[correction.ix..=correction.ix]);
+                    flush_subnormals(&mut next[correction.ix..=correction.ix]);
                 }
                 for surface in self.setup.surfaces.of_row(iy) {
                     let own = surface.memory..surface.memory + surface.memory_count();
-                    quieten(&mut self.surfaces[own]);
+                    flush_subnormals(&mut self.surfaces[own]);
                     for &(ix, _) in &surface.gains {
-                        quieten(&mut next[ix..=ix]);
+                        flush_subnormals(&mut next[ix..=ix]);
                     }
                 }
             }
@@ -291,7 +293,7 @@ impl Field for ReferenceField {
         let field = &mut self.0;
         let stride = field.stride();
         for forcing in steps {
-            field.step(forcing.quiet);
+            field.step(forcing.flush);
             for injection in &forcing.injections {
                 let s = &injection.stencil;
                 for (j, wy) in s.wy.iter().enumerate() {

@@ -1,10 +1,10 @@
 //! How the robot drives: a pose and its speeds at any time, smooth enough to drive a sound source.
 
-mod legs;
 mod samples;
+mod velocity_commands;
 
-pub use legs::{DriveLimits, Leg};
 pub use samples::PoseSample;
+pub use velocity_commands::{DriveLimits, VelocityCommand};
 
 use crate::error::Error;
 use std::path::Path;
@@ -53,37 +53,41 @@ pub struct DrivePath {
 
 #[derive(Debug, Clone)]
 enum Course {
-    Legs(legs::LegCourse),
+    Commands(velocity_commands::CommandedCourse),
     Samples(samples::SampledCourse),
 }
 
 impl DrivePath {
-    /// A drive from `start` through `legs`, each with a commanded speed and turn rate that the robot approaches with
+    /// A drive from `start` through `commands`, each with a commanded speed and turn rate that the robot approaches with
     /// limited accelerations.
     ///
     /// `start` holds the speeds at time 0 too: zeros for a robot that starts at rest.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with origin `path` when there is no leg, a number is not finite or out of range, or the legs
+    /// [`Error::Invalid`] with origin `path` when there is no command, a number is not finite or out of range, or the commands
     /// last longer than [`MAX_DURATION_S`] together.
-    pub fn from_legs(start: MotionState, legs: &[Leg], limits: DriveLimits) -> Result<Self, Error> {
-        let course = legs::LegCourse::new(start, legs, limits)?;
+    pub fn from_commands(
+        start: MotionState,
+        commands: &[VelocityCommand],
+        limits: DriveLimits,
+    ) -> Result<Self, Error> {
+        let course = velocity_commands::CommandedCourse::new(start, commands, limits)?;
         Ok(Self {
-            course: Course::Legs(course),
+            course: Course::Commands(course),
         })
     }
 
     /// A drive with the constant speed and turn rate of `start`: rest, a straight line or a circle.
     ///
     /// # Errors
-    /// As [`DrivePath::from_legs`].
+    /// As [`DrivePath::from_commands`].
     pub fn uniform(start: MotionState, duration_s: f64) -> Result<Self, Error> {
-        let leg = Leg {
+        let command = VelocityCommand {
             duration_s,
             v_mps: start.v_mps,
             omega_radps: start.omega_radps,
         };
-        Self::from_legs(start, &[leg], DriveLimits::default())
+        Self::from_commands(start, &[command], DriveLimits::default())
     }
 
     /// A drive through measured poses, joined by cubic splines; time 0 is the first sample.
@@ -111,7 +115,7 @@ impl DrivePath {
     /// Length of the drive in seconds.
     pub fn duration_s(&self) -> f64 {
         match &self.course {
-            Course::Legs(course) => course.duration_s(),
+            Course::Commands(course) => course.duration_s(),
             Course::Samples(course) => course.duration_s(),
         }
     }
@@ -120,7 +124,7 @@ impl DrivePath {
     pub fn state_at(&self, t_s: f64) -> MotionState {
         let t_s = t_s.clamp(0.0, self.duration_s());
         match &self.course {
-            Course::Legs(course) => course.state_at(t_s),
+            Course::Commands(course) => course.state_at(t_s),
             Course::Samples(course) => course.state_at(t_s),
         }
     }
@@ -133,7 +137,7 @@ impl DrivePath {
     /// A bound on the speed in m/s of any point of the robot within `radius_m` of its centre.
     pub fn max_speed_mps(&self, radius_m: f64) -> f64 {
         match &self.course {
-            Course::Legs(course) => course.max_speed_mps(radius_m),
+            Course::Commands(course) => course.max_speed_mps(radius_m),
             Course::Samples(course) => course.max_speed_mps(radius_m),
         }
     }

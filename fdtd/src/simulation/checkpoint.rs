@@ -1,14 +1,15 @@
 //! Checkpoints: the state of a run on disk.
 //!
 //! A line of text that says what run it is, then the lengths of six arrays as little-endian `u64`, then the arrays as little-endian `f32`: what was
-//! heard (after every step, warm-ups included, so that its length tells the piece), pressure, previous pressure, layer memory along x and y, what
+//! heard (after every step, warm-ups included, so that its length tells the segment), pressure, previous pressure, layer memory along x and y, what
 //! walls that are not rigid remember; then a digest of all.
 
 use std::io::Write;
 use std::path::Path;
 
-use super::pieces::Window;
-use super::{Domain, Simulation};
+use super::Simulation;
+use super::domain::Domain;
+use super::segments::Window;
 use crate::Error;
 use crate::field::FieldState;
 use crate::walls::Opening;
@@ -143,10 +144,10 @@ impl Simulation {
     pub fn load_checkpoint(&mut self, file: &Path) -> Result<(), Error> {
         let (heard, state) = load(file, &self.fingerprint())?;
         self.heard = heard;
-        // The state is that after the last step, not yet the silence before the next piece.
+        // The state is that after the last step, not yet the silence before the next segment.
         self.enter(self.plan.index_at(self.step().saturating_sub(1)));
         self.field.set_state(&state);
-        self.watch.note(self.drive.loudest(self.drive_step()));
+        self.watch.note(self.pair.loudest(self.drive_step()));
         Ok(())
     }
 
@@ -181,15 +182,15 @@ impl Simulation {
             [ix, iy].into_iter().chain(numbers.map(f64::to_bits))
         });
         let walls = digest(solid.chain(parts).chain(surfaces));
-        let pieces = &self.plan.pieces;
-        let steps = pieces.last().map_or(0, |piece| piece.to);
+        let segments = &self.plan.segments;
+        let steps = segments.last().map_or(0, |segment| segment.to);
         let drive = digest((0..=64).flat_map(|k| {
-            self.drive
+            self.pair
                 .sample(k as f64 / 64.0 * steps as f64 * grid.dt_s)
                 .map(f64::to_bits)
         }));
-        let whole = pieces.len() == 1 && pieces[0].window == Window::whole(&self.domain);
-        let plan = match pieces.len() {
+        let whole = segments.len() == 1 && segments[0].window == Window::whole(&self.domain);
+        let plan = match segments.len() {
             _ if whole => String::new(),
             count => format!(" in {count} pieces {:016x}", digest(self.plan.numbers())),
         };

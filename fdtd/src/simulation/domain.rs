@@ -2,7 +2,7 @@
 //!
 //! Absorbing layers stand for air without end, and it is the same wherever they begin: so air beyond walls and drive costs nothing.
 
-use super::SimulationOptions;
+use super::options::SimulationOptions;
 use crate::Error;
 use crate::grid::{Grid, Medium};
 use crate::scene::Scene;

@@ -3,7 +3,7 @@
 /// How far a run is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// Steps done, warm-ups of a free field's pieces included.
+    /// Steps done, warm-ups of a free field's segments included.
     pub step: u64,
     /// Steps in all, likewise.
     pub steps_total: u64,

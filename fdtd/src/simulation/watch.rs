@@ -8,8 +8,8 @@
 //! air. *Energy*: while the source is silent it must not grow; it is the invariant of the leapfrog step,
 //! `|p' - p|^2 / 2 - p' . (p' - 2 p + p'') / 2`.
 
-use super::Domain;
-use super::pieces::Window;
+use super::domain::Domain;
+use super::segments::Window;
 use crate::Error;
 use crate::field::{FieldState, StepForcing};
 
@@ -154,7 +154,7 @@ fn energy(before: &FieldState, next: &[f32]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Drive, Flow, Simulation, SimulationOptions};
+    use super::super::{Flow, MovingPair, Simulation, SimulationOptions};
     use super::*;
     use crate::field::{FastField, FieldSetup};
     use crate::grid::{Grid, Medium};
@@ -189,7 +189,7 @@ mod tests {
                 0.0
             }
         };
-        let drive = Drive::new(
+        let pair = MovingPair::new(
             &domain,
             Box::new(place),
             Box::new(place),
@@ -200,7 +200,7 @@ mod tests {
             threads: 1,
             ..SimulationOptions::default()
         };
-        Simulation::from_parts(domain, drive, 1.0, 40e3, 14e3, &options).expect("it fits")
+        Simulation::from_parts(domain, pair, 1.0, 40e3, 14e3, &options).expect("it fits")
     }
 
     /// Runs a simulation whose step has a negative stiffness of so many quanta, so that its constant mode

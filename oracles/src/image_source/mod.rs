@@ -60,7 +60,7 @@ pub type PositionAt<'a> = &'a (dyn Fn(f64) -> [f64; 2] + Sync);
 
 /// A loudspeaker and a microphone that move.
 #[derive(Clone, Copy)]
-pub struct MovingPair<'a> {
+pub struct PlanePair<'a> {
     /// Where the loudspeaker is.
     pub source_at: PositionAt<'a>,
     /// Where the microphone is.
@@ -73,7 +73,7 @@ pub struct MovingPair<'a> {
 /// time 0. The result does not depend on the number of threads.
 pub fn synthesize_pair(
     reflectors: &Reflectors,
-    pair: &MovingPair<'_>,
+    pair: &PlanePair<'_>,
     strength: &CylindricalWaveform,
     medium: &Medium,
     sample_rate_hz: f64,
@@ -134,7 +134,7 @@ pub fn synthesize(
     sample_rate_hz: f64,
     options: &ImageSourceOptions,
 ) -> Vec<f32> {
-    let pair = MovingPair {
+    let pair = PlanePair {
         source_at: &|t_s| drive.path.point_at(t_s, drive.loudspeaker_offset_m),
         receiver_at: &|t_s| drive.path.point_at(t_s, drive.microphone_offset_m),
         duration_s: drive.path.duration_s(),

@@ -1,6 +1,6 @@
 //! One echo along the drive: when what is heard now was sent, and how loud it is.
 
-use super::{CylindricalWaveform, MovingPair, ONSET_S};
+use super::{CylindricalWaveform, ONSET_S, PlanePair};
 use crate::rays::plane::{Vec2, dot, length, scale, sub};
 use crate::rays::{Reflectors, fade};
 use fdtd::grid::Medium;
@@ -40,7 +40,7 @@ impl EchoTrack {
     pub(super) fn new(
         reflectors: &Reflectors,
         sequence: &[usize],
-        pair: &MovingPair<'_>,
+        pair: &PlanePair<'_>,
         medium: &Medium,
         fade_m: f64,
     ) -> Option<Self> {
@@ -135,7 +135,7 @@ fn onset(sent_s: f64) -> f64 {
 fn visibility(
     reflectors: &Reflectors,
     sequence: &[usize],
-    pair: &MovingPair<'_>,
+    pair: &PlanePair<'_>,
     t_s: f64,
     fade_m: f64,
 ) -> f64 {
@@ -157,7 +157,7 @@ fn visibility(
 fn node_at(
     t_s: f64,
     share: f64,
-    pair: &MovingPair<'_>,
+    pair: &PlanePair<'_>,
     image_at: &dyn Fn(f64) -> Vec2,
     medium: &Medium,
 ) -> Node {

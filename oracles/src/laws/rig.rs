@@ -10,7 +10,7 @@ use fdtd::field::{FastField, Field, FieldSetup, FieldState, StepForcing};
 use fdtd::grid::Grid;
 use fdtd::scene::Scene;
 use fdtd::scheme::{Polynomial, Scheme};
-use fdtd::simulation::{Domain, Drive, Flow, Simulation, SimulationOptions};
+use fdtd::simulation::{Domain, Flow, MovingPair, Simulation, SimulationOptions};
 use fdtd::spread::Spread;
 use fdtd::walls::{SolidMask, Wall, WallCells, WallModel};
 use fdtd::waveform::PeriodicWaveform;
@@ -155,7 +155,7 @@ impl Rig {
         receiver: Path<'_>,
         strength: &dyn Fn(f64) -> f64,
         steps: usize,
-    ) -> Drive {
+    ) -> MovingPair {
         let dt_s = self.conditions().dt_s;
         let table = |path: Path<'_>| -> Vec<[f64; 2]> {
             let times_s = (0..=steps).map(|n| n as f64 * dt_s);
@@ -166,7 +166,7 @@ impl Rig {
         let strength: Vec<f64> = (0..=steps).map(|n| strength(n as f64 * dt_s)).collect();
         let [source, receiver] =
             [source, receiver].map(|table| Box::new(move |t_s: f64| table[at(t_s)]));
-        Drive::new(
+        MovingPair::new(
             &self.domain(),
             source,
             receiver,

@@ -3,12 +3,16 @@
 //! Ray theory is what the papers lay beside the measured echoes (single, corner and double reflections), and its paths
 //! are what [`crate::image_source`] adds up. Each wall piece reflects on both sides, at its face and not at its centre line.
 
-mod faces;
+mod face;
+mod joints;
 pub(crate) mod plane;
 mod reflectors;
+mod wall_segment;
 
+pub use face::Face;
+pub use reflectors::Reflectors;
 pub(crate) use reflectors::fade;
-pub use reflectors::{Face, Reflectors, Segment};
+pub use wall_segment::WallSegment;
 
 use plane::{Vec2, add, bearing_rad, dot, length, scale, sub};
 

@@ -17,7 +17,7 @@ mod doppler;
 mod drift;
 mod energy;
 mod free_field;
-mod free_field_pieces;
+mod free_field_segments;
 mod half_plane;
 mod image_echo;
 mod impedance_wall;

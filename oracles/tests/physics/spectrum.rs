@@ -24,7 +24,7 @@ fn extreme(setup: &FieldSetup, areas: &[f64], mirrored: bool, turns: usize) -> f
         amplitude: 0.0,
     };
     let step = [StepForcing {
-        quiet: false,
+        flush: false,
         injections: [still; 2],
         receiver: silent,
     }];

@@ -2,7 +2,7 @@
 //!
 //! * `blocking`: how much of it a step takes at once, by the first-level cache.
 //! * `layout`: lane-transposed rows, so that loads are aligned and shared between columns.
-//! * `memory`: what the absorbing layers remember; `walls`: what walls change.
+//! * `pml_memory`: what the absorbing layers remember; `walls`: what walls change.
 //! * `tiles`: time blocks of strips of rows, so that threads meet once per block; `team`: these threads.
 //! * `kernel`: the sweeps, a wavefront of short blocks of rows that keeps the rows of all steps of a block in cache, and the
 //!   vectors of eight or sixteen numbers they are written with.
@@ -10,7 +10,7 @@
 mod blocking;
 mod kernel;
 mod layout;
-mod memory;
+mod pml_memory;
 mod team;
 mod tiles;
 mod walls;
@@ -27,7 +27,7 @@ pub(in crate::field) use kernel::{with_avx2, with_avx512};
 use self::blocking::Blocking;
 use self::kernel::Shared;
 use self::layout::RowLayout;
-use self::memory::{MemoryX, MemoryY};
+use self::pml_memory::{MemoryX, MemoryY};
 use self::team::Team;
 use self::walls::Walls;
 use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows};

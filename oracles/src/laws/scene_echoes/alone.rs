@@ -134,14 +134,14 @@ pub(super) fn alone(reflectors: &Reflectors, place_m: [f64; 2]) -> Vec<RayPath> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rays::{RayKind, Segment};
+    use crate::rays::{RayKind, WallSegment};
 
     fn walls<const N: usize>(ends_m: [[[f64; 2]; 2]; N]) -> Reflectors {
         Reflectors::new(
             ends_m
                 .into_iter()
                 .enumerate()
-                .map(|(wall, ends_m)| Segment {
+                .map(|(wall, ends_m)| WallSegment {
                     wall,
                     piece: 0,
                     ends_m,

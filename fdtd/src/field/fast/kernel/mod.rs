@@ -3,7 +3,7 @@
 //! * here: who runs which rows of which step; `walls`: what walls change; `transducers`: source and receiver;
 //! * `sweep`, `slf`, `m13`, `d25`: the plain stencils;
 //! * `layers`: the strips beside the centre with the absorbing layers along x; `along_y`: those along y; `near`: what they see of a cell's neighbourhood;
-//! * `quiet`: small numbers set to zero;
+//! * `flush_subnormals`: small numbers set to zero;
 //! * `halo`: the cells that rows hold twice;
 //! * `instructions`: which instruction sets there are; `vector`: eight or sixteen numbers of one.
 //!
@@ -19,12 +19,12 @@
 
 mod along_y;
 mod d25;
+mod flush_subnormals;
 mod halo;
 mod instructions;
 mod layers;
 mod m13;
 mod near;
-mod quiet;
 mod slf;
 mod sweep;
 mod transducers;
@@ -40,7 +40,7 @@ pub(in crate::field) use self::instructions::{with_avx2, with_avx512};
 use self::d25::D25;
 use self::m13::M13;
 use self::slf::Slf;
-use self::sweep::Sweep;
+use self::sweep::{Sweep, SweepVector};
 #[cfg(target_arch = "x86_64")]
 use self::vector::{Avx, Avx512};
 use self::vector::{Plain, Vector};
@@ -57,9 +57,9 @@ use crate::spread::{Stencil, TAPS};
 pub(super) struct Shared {
     /// Level of the first step, and the past that it overwrites; both start at the first row of the rim.
     pub(super) levels: [*mut f32; 2],
-    /// Layer memory along x, see `memory`.
+    /// Layer memory along x, see `pml_memory`.
     pub(super) layer_x: *mut f32,
-    /// Layer memory along y, see `memory`.
+    /// Layer memory along y, see `pml_memory`.
     pub(super) layer_y: *mut f32,
     /// Memory of surfaces that are not rigid; that of a row belongs to who writes the row.
     pub(super) surfaces: *mut f32,
@@ -211,7 +211,7 @@ instantiate!(avx2_d25, Avx, D25, "avx2,fma");
 /// # Safety
 /// As [`run_tile`].
 #[inline(always)]
-unsafe fn sweep_tile<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
+unsafe fn sweep_tile<V: SweepVector, S: Sweep<V> + Sweep<V::Narrow>>(
     plan: &Plan,
     shared: Shared,
     tile: &Tile,
@@ -262,7 +262,7 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
 /// # Safety
 /// As [`run_tile`], for these rows.
 #[inline(always)]
-unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
+unsafe fn advance_rows<V: SweepVector, S: Sweep<V> + Sweep<V::Narrow>>(
     plan: &Plan,
     shared: Shared,
     weights: &Weights<V>,
@@ -280,8 +280,8 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     // SAFETY: rows lie in the grid, and the buffers have a rim of rows on both sides; within a row every offset comes
     // from the layout. The caller promises that nobody else touches what is written here.
     unsafe {
-        if forcing.quiet {
-            quiet::memory::<V>(plan, shared, rows.clone());
+        if forcing.flush {
+            flush_subnormals::memory::<V>(plan, shared, rows.clone());
         }
         let start = (rows.start + layout.halo) * stride + layout.centre_at;
         let chunk = plan.blocking.chunk;
@@ -304,13 +304,13 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             let few = first..rows.end.min(first + EDGE_ROWS);
             layers::strips::<V, S>(plan, shared, levels, weights, few);
         }
-        if forcing.quiet {
-            quiet::cells::<V>(plan, levels, rows.clone());
+        if forcing.flush {
+            flush_subnormals::cells::<V>(plan, levels, rows.clone());
         }
         walls::correct(&plan.walls, levels, &rows);
         walls::react(plan, shared, levels, &rows);
-        if forcing.quiet {
-            quiet::walls(plan, shared, levels, rows.clone());
+        if forcing.flush {
+            flush_subnormals::walls(plan, shared, levels, rows.clone());
         }
         walls::silence(&plan.walls, levels, &rows);
         let row = |iy: usize| {

@@ -1,13 +1,13 @@
-//! Small numbers set to zero in quiet steps, see [`crate::field`].
+//! Small numbers set to zero in flushing steps, see [`crate::field`].
 
 use std::ops::Range;
 
-use super::super::super::{layer_row, quieten};
+use super::super::super::{flush_subnormals, layer_row};
 use super::super::Plan;
 use super::vector::Vector;
 use super::{Levels, Shared};
 
-/// What a quiet step does to the memory of the layers in some rows before it is used.
+/// What a flushing step does to the memory of the layers in some rows before it is used.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
@@ -29,7 +29,7 @@ pub(super) unsafe fn memory<V: Vector>(plan: &Plan, shared: Shared, rows: Range<
     }
 }
 
-/// What a quiet step does to the cells of some rows after their plain step.
+/// What a flushing step does to the cells of some rows after their plain step.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
@@ -52,20 +52,21 @@ unsafe fn part<V: Vector>(at: *mut f32, count: usize) {
     // SAFETY: the caller's promise.
     unsafe {
         for i in (0..whole).step_by(V::LANES) {
-            V::load(at.add(i)).quiet().store(at.add(i));
+            V::load(at.add(i)).flushed().store(at.add(i));
         }
-        quieten(std::slice::from_raw_parts_mut(at.add(whole), count - whole));
+        flush_subnormals(std::slice::from_raw_parts_mut(at.add(whole), count - whole));
     }
 }
 
-/// What a quiet step does to the cells of some rows that walls have changed, and to the memory of their surfaces.
+/// What a flushing step does to the cells of some rows that walls have changed, and to the memory of their surfaces.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
 pub(super) unsafe fn walls(plan: &Plan, shared: Shared, levels: Levels, rows: Range<usize>) {
     // SAFETY: cells of rows of this thread, and memory of their surfaces, which belongs to who writes the row.
-    let few =
-        |at: *mut f32, count: usize| quieten(unsafe { std::slice::from_raw_parts_mut(at, count) });
+    let few = |at: *mut f32, count: usize| {
+        flush_subnormals(unsafe { std::slice::from_raw_parts_mut(at, count) })
+    };
     for corrections in &plan.walls.corrections {
         for &at in corrections.of(&rows).0 {
             few(levels.next.wrapping_add(at as usize), 1);

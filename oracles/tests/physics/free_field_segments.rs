@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 use crate::rig::{Setting, assert_foreign, code_on_carrier, decibels, handed_over, heard, run_to};
 use fdtd::grid::Grid;
-use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState};
+use fdtd::motion::{DriveLimits, DrivePath, MotionState, VelocityCommand};
 use fdtd::scene::{Robot, Scene};
 use fdtd::scheme::Scheme;
 use fdtd::simulation::{Flow, Simulation, SimulationOptions};
@@ -38,12 +38,13 @@ fn scene(scheme: Scheme, apart_m: f64, duration_s: f64) -> Scene {
         v_mps: conditions.mps(0.9),
         omega_radps: conditions.hz(1.0),
     };
-    let leg = Leg {
+    let leg = VelocityCommand {
         duration_s: conditions.s(duration_s),
         v_mps: conditions.mps(0.9),
         omega_radps: conditions.hz(1.0),
     };
-    let path = DrivePath::from_legs(start, &[leg], DriveLimits::default()).expect("a valid drive");
+    let path =
+        DrivePath::from_commands(start, &[leg], DriveLimits::default()).expect("a valid drive");
     Scene {
         grid: Grid {
             nx: 243,

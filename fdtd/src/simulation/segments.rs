@@ -1,17 +1,15 @@
-//! What of the domain is simulated: all that walls and drive take, or, of a free-field drive, pieces of time, each in a small domain around where
+//! What of the domain is simulated: all that walls and drive take, or, of a free-field drive, segments of time, each in a small domain around where
 //! the drive is then.
 //!
 //! Without walls nothing comes back: what the microphone hears now left the loudspeaker a moment ago, and cells far from both
-//! cannot matter. Each piece starts from silence some time before it is listened to. In this warm-up the source rises from zero
-//! in a smooth ramp, and what the ramp itself sent out passes the microphone and goes into the layer; then the piece before it
+//! cannot matter. Each segment starts from silence some time before it is listened to. In this warm-up the source rises from zero
+//! in a smooth ramp, and what the ramp itself sent out passes the microphone and goes into the layer; then the segment before it
 //! fades out and it fades in, for the two differ by rounding errors of a few hertz, in which a step would be heard.
 //!
-//! A piece's window is a whole number of cells away from the domain's origin, so that source and receiver keep their places within
+//! A segment's window is a whole number of cells away from the domain's origin, so that source and receiver keep their places within
 //! a cell to the last bit. All times are multiples of the time that sound takes across a window, so that they suit any grid.
 
-use super::Domain;
-use super::domain::Extent;
-use super::ticks::Ticks;
+use super::domain::{Domain, Extent};
 use crate::field::FieldSetup;
 use crate::grid::Grid;
 use crate::walls::WallCells;
@@ -19,7 +17,7 @@ use crate::walls::WallCells;
 /// A row costs as much as this many further cells: the layers at its ends, and its start (fast engine, 13-point stencil).
 const ROW_COST_CELLS: u64 = 300;
 
-/// Cells of a piece, counted from the domain's first; a window may reach beyond the domain, where there is nothing but air.
+/// Cells of a segment, counted from the domain's first; a window may reach beyond the domain, where there is nothing but air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Window {
     pub(super) first: [i64; 2],
@@ -29,7 +27,7 @@ pub(super) struct Window {
 
 /// A stretch of a drive that is simulated by itself, in steps from the drive's beginning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Piece {
+pub(super) struct Segment {
     pub(super) window: Window,
     /// First step that is simulated; the field before it is silent.
     pub(super) start: u64,
@@ -37,33 +35,33 @@ pub(super) struct Piece {
     pub(super) from: u64,
     /// End of the steps.
     pub(super) to: u64,
-    /// Steps that all pieces before this one take, warm-ups included.
+    /// Steps that all segments before this one take, warm-ups included.
     pub(super) before: u64,
     /// Steps over which the source rises; none at the drive's own beginning.
     pub(super) ramp: u64,
-    /// Last steps of the warm-up, over which the signal goes over from the piece before.
+    /// Last steps of the warm-up, over which the signal goes over from the segment before.
     pub(super) fade: u64,
 }
 
-impl Piece {
-    /// Steps that the piece takes, its warm-up included.
+impl Segment {
+    /// Steps that the segment takes, its warm-up included.
     pub(super) fn steps(&self) -> u64 {
         self.to - self.start
     }
 
-    /// Work of the piece, in cells times steps.
+    /// Work of the segment, in cells times steps.
     fn cost(&self) -> u64 {
         self.steps() * self.window.ny as u64 * (self.window.nx as u64 + ROW_COST_CELLS)
     }
 }
 
-/// The pieces of a run, one after the other.
+/// The segments of a run, one after the other.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Plan {
-    pub(super) pieces: Vec<Piece>,
+pub(super) struct SegmentPlan {
+    pub(super) segments: Vec<Segment>,
 }
 
-impl Plan {
+impl SegmentPlan {
     /// `steps` steps in the whole domain.
     pub(super) fn whole(domain: &Domain, steps: u64) -> Self {
         Self::in_window(Window::whole(domain), steps)
@@ -82,7 +80,7 @@ impl Plan {
 
     fn in_window(window: Window, steps: u64) -> Self {
         Self {
-            pieces: vec![Piece {
+            segments: vec![Segment {
                 window,
                 start: 0,
                 from: 0,
@@ -94,72 +92,56 @@ impl Plan {
         }
     }
 
-    /// The plan of least work for `steps` steps of a free-field drive through `points` (metres, in the domain) at a time in seconds:
-    /// the whole domain, or pieces of equal length. Depends on nothing else, so that all runs of a drive give the same bytes.
-    pub(super) fn cheapest(
-        domain: &Domain,
-        steps: u64,
-        points: &dyn Fn(f64) -> [[f64; 2]; 2],
-    ) -> Self {
-        let whole = Self::whole(domain, steps);
-        let ticks = Ticks::new(domain, steps, points);
-        let lengths = ticks.lengths();
-        lengths
-            .map(|length| ticks.plan(domain, length))
-            .fold(whole, |best, plan| match plan.cost() < best.cost() {
-                true => plan,
-                false => best,
-            })
-    }
-
-    /// Steps of all pieces, their warm-ups included.
+    /// Steps of all segments, their warm-ups included.
     pub(super) fn steps(&self) -> u64 {
-        self.pieces.iter().map(Piece::steps).sum()
+        self.segments.iter().map(Segment::steps).sum()
     }
 
-    /// All that determines the pieces.
+    /// All that determines the segments.
     pub(super) fn numbers(&self) -> impl Iterator<Item = u64> {
-        self.pieces.iter().flat_map(|piece| {
-            let Window { first, nx, ny } = piece.window;
+        self.segments.iter().flat_map(|segment| {
+            let Window { first, nx, ny } = segment.window;
             let [x, y] = first.map(i64::cast_unsigned);
             [
                 x,
                 y,
                 nx as u64,
                 ny as u64,
-                piece.start,
-                piece.from,
-                piece.to,
-                piece.ramp,
-                piece.fade,
+                segment.start,
+                segment.from,
+                segment.to,
+                segment.ramp,
+                segment.fade,
             ]
         })
     }
 
-    /// Index of the piece of step `step`, counted with all warm-ups; of the last piece beyond the end.
+    /// Index of the segment of step `step`, counted with all warm-ups; of the last segment beyond the end.
     pub(super) fn index_at(&self, step: u64) -> usize {
-        self.pieces.partition_point(|piece| piece.before <= step) - 1
+        self.segments
+            .partition_point(|segment| segment.before <= step)
+            - 1
     }
 
     /// Cells of the largest window.
     pub(super) fn largest(&self) -> Window {
-        let windows = self.pieces.iter().map(|piece| piece.window);
+        let windows = self.segments.iter().map(|segment| segment.window);
         windows
             .max_by_key(|window| window.nx * window.ny)
-            .expect("a plan has a piece")
+            .expect("a plan has a segment")
     }
 
-    /// What the field of a piece needs.
+    /// What the field of a segment needs.
     ///
     /// # Panics
     /// As [`FieldSetup::new`].
-    pub(super) fn setup(&self, domain: &Domain, piece: usize) -> FieldSetup {
-        let window = self.pieces[piece].window;
+    pub(super) fn setup(&self, domain: &Domain, segment: usize) -> FieldSetup {
+        let window = self.segments[segment].window;
         let Window { nx, ny, .. } = window;
         let part;
         let walls = if window == Window::whole(domain) {
             &domain.walls
-        } else if self.pieces.len() == 1 {
+        } else if self.segments.len() == 1 {
             part = domain
                 .walls
                 .window(window.first.map(|cells| cells as usize), [nx, ny]);
@@ -184,21 +166,23 @@ impl Plan {
 
     /// Work of the run, in cells times steps; rows count more than their cells.
     pub(super) fn cost(&self) -> u64 {
-        self.pieces.iter().map(Piece::cost).sum()
+        self.segments.iter().map(Segment::cost).sum()
     }
 
-    /// The drive's signal from what was heard so far in all pieces one after the other: entry `n` of either after `n` steps, the first silent.
+    /// The drive's signal from what was heard so far in all segments one after the other: entry `n` of either after `n` steps, the first silent.
     pub(super) fn join(&self, heard: &[f32]) -> Vec<f32> {
         let mut joined = heard[..1].to_vec();
-        for piece in &self.pieces {
-            let end = heard.len().min((1 + piece.before + piece.steps()) as usize);
-            let first = 1 + piece.before as usize;
-            let own = first + (piece.from - piece.start) as usize;
-            if end > own - piece.fade as usize {
-                let fading = &heard[own - piece.fade as usize..end.min(own)];
-                let at = joined.len() - piece.fade as usize;
+        for segment in &self.segments {
+            let end = heard
+                .len()
+                .min((1 + segment.before + segment.steps()) as usize);
+            let first = 1 + segment.before as usize;
+            let own = first + (segment.from - segment.start) as usize;
+            if end > own - segment.fade as usize {
+                let fading = &heard[own - segment.fade as usize..end.min(own)];
+                let at = joined.len() - segment.fade as usize;
                 for (k, (before, now)) in joined[at..].iter_mut().zip(fading).enumerate() {
-                    let share = (k as f32 + 0.5) / piece.fade as f32;
+                    let share = (k as f32 + 0.5) / segment.fade as f32;
                     *before += share * (now - *before);
                 }
             }
@@ -274,89 +258,5 @@ impl Window {
             }
         }
         frame
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::grid::Medium;
-    use crate::scheme::Scheme;
-    use crate::spread::Spread;
-
-    fn domain() -> Domain {
-        Domain {
-            grid: Grid {
-                nx: 400,
-                ny: 300,
-                dx_m: 0.005,
-                dt_s: 1.0 / 120e3,
-            },
-            medium: Medium {
-                c_mps: 340.0,
-                rho_kgpm3: 1.293,
-            },
-            scheme: Scheme::O13,
-            spread: Spread::Kaiser12,
-            layer_cells: 20,
-            walls: WallCells::open(400, 300),
-        }
-    }
-
-    /// A second of a pair that goes along x.
-    fn plan(v_mps: f64) -> Plan {
-        Plan::cheapest(&domain(), 120_000, &|t_s| {
-            [[0.4 + v_mps * t_s, 0.7], [0.5 + v_mps * t_s, 0.7]]
-        })
-    }
-
-    #[test]
-    fn pieces_follow_each_other_around_the_drive() {
-        let plan = plan(1.0);
-        assert!(plan.pieces.len() > 4, "{}", plan.pieces.len());
-        let (mut to, mut before) = (0, 0);
-        for piece in &plan.pieces {
-            assert_eq!((piece.from, piece.before), (to, before));
-            assert!(piece.start + piece.ramp + piece.fade <= piece.from);
-            (to, before) = (piece.to, before + piece.steps());
-            for (step, x_m) in [(piece.start, 0.4), (piece.to, 0.5)] {
-                let x = domain().grid.to_cells([x_m + step as f64 / 120e3, 0.7])[0];
-                let beside = x - piece.window.first[0] as f64;
-                let margin = domain().margin_cells() as f64;
-                assert!(beside >= margin && beside + margin < piece.window.nx as f64 + 1.0);
-            }
-        }
-        assert_eq!((to, before), (120_000, plan.steps()));
-    }
-
-    #[test]
-    fn a_robot_at_rest_is_one_piece() {
-        let mut domain = domain();
-        let points = [[0.9, 0.7], [1.0, 0.7]];
-        let origin_m = domain.crop(1.0, &|_| points);
-        let points = points.map(|[x, y]| [x - origin_m[0], y - origin_m[1]]);
-        let plan = Plan::cheapest(&domain, 120_000, &|_| points);
-        assert_eq!(plan, Plan::whole(&domain, 120_000));
-    }
-
-    #[test]
-    fn signals_are_joined_where_they_are_known() {
-        let plan = plan(1.0);
-        let ones = vec![1.0; plan.steps() as usize + 1];
-        assert_eq!(plan.join(&ones), vec![1.0; 120_001]);
-        let second = plan.pieces[1];
-        for (heard, expected) in [
-            (0, 0),
-            (second.before, second.from),
-            (second.before + 1, second.from),
-            (second.before + second.from - second.start, second.from),
-            (
-                second.before + second.from - second.start + 7,
-                second.from + 7,
-            ),
-        ] {
-            let joined = plan.join(&ones[..=heard as usize]);
-            assert_eq!(joined.len() as u64, expected + 1);
-        }
     }
 }

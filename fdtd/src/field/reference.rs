@@ -2,19 +2,15 @@
 
 mod rows;
 
-use self::rows::{absorb, d25_row, layered_row, m13_row, slf_row};
+use self::rows::{RIM, absorb, d25_row, layered_row, m13_row, slf_row};
+use super::setup::FieldSetup;
 use super::stencil::Splat;
-use super::{
-    Field, FieldSetup, FieldState, StepForcing, combine_rows, flush_subnormals, layer_row,
-};
+use super::step::{Field, FieldState, StepForcing, combine_rows, flush_subnormals, layer_row};
 use crate::boundary::Reaction;
 use crate::number::Real;
 use crate::pml::Profile;
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
-
-/// Cells of zero pressure around the grid, as many as the widest stencil reaches.
-const RIM: usize = 3;
 
 /// Square root of the restoring quantum: radians a step of what it makes swing.
 const SWING: f64 = 3.452_669_830_012_439e-4;

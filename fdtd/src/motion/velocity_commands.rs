@@ -1,6 +1,6 @@
 //! A drive of velocity commands with limited accelerations: speeds are piecewise linear in time, the heading piecewise quadratic.
 
-use super::{MAX_DURATION_S, MAX_SPEED_MPS, MAX_TURN_RADPS, MotionState};
+use super::state::{MAX_DURATION_S, MAX_SPEED_MPS, MAX_TURN_RADPS, MotionState};
 use crate::error::Error;
 
 /// One command: drive at this speed and turn rate for this long.

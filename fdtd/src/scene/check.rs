@@ -1,6 +1,6 @@
 //! Checks of the numbers of a scene, and of its walls.
 
-use super::{MIN_CELLS_PER_WAVELENGTH, MIN_LAYER_CELLS, MIN_WALL_CELLS, Scene};
+use super::model::{MIN_CELLS_PER_WAVELENGTH, MIN_LAYER_CELLS, MIN_WALL_CELLS, Scene};
 use crate::error::Error;
 use crate::grid::Grid;
 

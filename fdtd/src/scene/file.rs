@@ -1,9 +1,9 @@
 //! The scene file as written: flat structs that deny unknown fields.
 
 use super::locate::describe;
+use super::model::{Robot, Scene, WaveformSpec};
 use super::path_file::PathFile;
 use super::wall_file::WallFile;
-use super::{Robot, Scene, WaveformSpec};
 use crate::error::Error;
 use crate::grid::{Grid, Medium};
 use crate::medium::{Air, STANDARD_PRESSURE_PA};

@@ -1,6 +1,7 @@
 //! One echo along the drive: when what is heard now was sent, and how loud it is.
 
-use super::{CylindricalWaveform, ONSET_S, PlanePair};
+use super::pair::{ONSET_S, PlanePair};
+use super::spectrum::CylindricalWaveform;
 use crate::rays::plane::{Vec2, dot, length, scale, sub};
 use crate::rays::{Reflectors, fade};
 use fdtd::grid::Medium;

@@ -9,8 +9,8 @@
 
 use super::conditions::Conditions;
 use super::impedance::{heard, is_held, sine};
+use super::measurement::{Depth, Measurement, named};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use fdtd::Error;
 use fdtd::scheme::Scheme;
 use fdtd::walls::{Branch, Impedance};

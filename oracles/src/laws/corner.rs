@@ -7,9 +7,9 @@
 //! Tolerance: 1 % of the echoes (root mean square), 0.02 dB with m13; 5 % and 0.03 dB with d25, whose error of phase is spread over the whole band. An
 //! echo left out, or one of half the strength, would be 20 % or more.
 
+use super::measurement::{Depth, Measurement, named};
 use super::rig::{decibels, difference, echoes, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use crate::image_source::{DrivingPair, ImageSourceOptions, synthesize};
 use fdtd::Error;
 use fdtd::grid::Grid;

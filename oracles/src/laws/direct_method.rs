@@ -10,9 +10,9 @@
 //! at the source and at the microphone: its level is low by `sigma^2 k^2` nepers (0.64 of `(k dx)^2`: 4.7 dB at 10 kHz), its sidebands are weak.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, named};
 use super::rig::{Rig, decibels};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use crate::exact::tone::in_uniform_motion;
 use fdtd::Error;
 use fdtd::scheme::Scheme;

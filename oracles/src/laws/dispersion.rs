@@ -12,9 +12,9 @@
 //! Tolerance: 1e-4 of the phase velocity, while its own error is up to 2.6 % (slf) and 0.7 % (m13), and 2e-4 of the group velocity, whose own error is three times
 //! as large (1e-4 below 18 kHz); with d25 the phase velocity also within 0.1 % of the speed of sound to 18 kHz.
 
+use super::measurement::{Depth, Measurement, named, schemes};
 use super::rig::Rig;
 use super::setting::Setting;
-use super::{Depth, Measurement, named, schemes};
 use crate::exact::hankel::{hankel0, hankel1};
 use fdtd::Error;
 use fdtd::scheme::Scheme;

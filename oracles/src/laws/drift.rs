@@ -5,9 +5,9 @@
 //! Bias: rounding is a random walk. Without the restoring quantum its double sum would move the mean by more than the sound.
 //! Tolerance: 1e-3 of the energy; the mean below 1 % of the root mean square.
 
+use super::measurement::{Depth, Measurement, named};
 use super::room::{closed_rig, energy};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use fdtd::Error;
 use fdtd::field::Field;
 use fdtd::scheme::Scheme;

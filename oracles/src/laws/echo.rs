@@ -14,9 +14,9 @@
 //! exact signal goes through the same windows, and both are held against the same pair at rest.
 //! Tolerance: 2e-5 (d25), 1e-4 (m13, whose group velocity is 1.2 % low at 10 kHz). One reflection alone has 1 +- 2.4e-3.
 
+use super::measurement::{Depth, Measurement, named};
 use super::rig::{Rig, decibels, difference, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use crate::exact::monopole::burst_on_path;
 use fdtd::Error;
 use fdtd::scheme::Scheme;

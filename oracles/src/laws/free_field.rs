@@ -8,9 +8,9 @@
 //! Tolerance: 0.4 % of the waveform and 0.02 dB (m13), 2 % and 0.06 dB (slf), 2.5 % and 0.02 dB (d25). A wrong power of the Doppler
 //! factor would be 5 % and 0.4 dB. Reciprocity: 1e-4 of the strongest line at 3 to 13 kHz.
 
+use super::measurement::{Depth, Measurement, named, schemes};
 use super::rig::{Path, Rig, decibels, difference, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement, named, schemes};
 use crate::exact::monopole::burst_on_path;
 use fdtd::Error;
 use fdtd::scheme::Scheme;

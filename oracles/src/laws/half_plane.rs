@@ -16,9 +16,9 @@
 //! Tolerance: 2.5 % and 0.15 dB on the source's side, 6.5 % and 0.55 dB behind the wall, half of that at twice the wavelength. Without
 //! diffraction the shadow would be silent.
 
+use super::measurement::{Depth, Measurement, named};
 use super::rig::{Rig, decibels, difference, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use crate::exact::half_plane::HalfPlane;
 use fdtd::Error;
 use fdtd::scheme::Scheme;

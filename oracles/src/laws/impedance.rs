@@ -11,9 +11,9 @@
 //! 0.021 to 0.042 at 0.604, 0.025 to 0.036 at 0.618. There 0.05 is allowed.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, named};
 use super::rig::Rig;
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use fdtd::Error;
 use fdtd::field::{Field, FieldState};
 use fdtd::scheme::Scheme;

@@ -6,9 +6,9 @@
 //! Bias: the difference holds the echoes of all four borders, so it is an upper bound.
 //! Tolerance: -60 dB at 0, 30, 45 and 60 degrees, -40 dB at 80, all schemes.
 
+use super::measurement::{Depth, Measurement, named, schemes};
 use super::rig::{Rig, decibels, difference};
 use super::setting::Setting;
-use super::{Depth, Measurement, named, schemes};
 use crate::exact::monopole::burst_on_path;
 use fdtd::Error;
 use fdtd::scheme::Scheme;

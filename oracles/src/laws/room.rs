@@ -23,9 +23,9 @@
 //! Tolerance: 0.2 of the order.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, larger, named, schemes};
 use super::rig::{Rig, wrapped};
 use super::setting::Setting;
-use super::{Depth, Measurement, larger, named, schemes};
 use fdtd::Error;
 use fdtd::field::{FastField, Field};
 use fdtd::scheme::{RESTORING_QUANTUM, Scheme};

@@ -15,9 +15,9 @@
 //! Tolerance: 2e-4 of the frequency, a radius right within 0.06 mm. Stairs are shown beside it.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, larger, named};
 use super::rig::{Rig, decibels, difference, wrapped};
 use super::setting::Setting;
-use super::{Depth, Measurement, larger, named};
 use crate::exact::cylinder::{mode, scattered, standing};
 use crate::exact::hankel::hankel;
 use fdtd::Error;

@@ -9,8 +9,8 @@
 
 use rayon::prelude::*;
 
+use super::measurement::{Depth, Measurement, schemes};
 use super::rig::decibels;
-use super::{Depth, Measurement, schemes};
 use crate::exact::burst::Burst;
 use fdtd::Error;
 use fdtd::field::{FastField, Field, FieldSetup, Injection, StepForcing, flushes_subnormals};

@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use super::{Depth, Measurement, schemes};
+use super::measurement::{Depth, Measurement, schemes};
 use fdtd::Error;
 use fdtd::field::{FieldSetup, PreciseField};
 use fdtd::grid::{Grid, Medium};

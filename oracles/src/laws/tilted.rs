@@ -16,9 +16,9 @@
 //! Tolerance: what is heard from 0.75 ms to 3.75 ms after the echo is at least 20 dB weaker than with stairs.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, larger, named};
 use super::rig::{Rig, decibels, difference, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement, larger, named};
 use fdtd::Error;
 use fdtd::scheme::Scheme;
 use fdtd::walls::{Wall, WallModel};

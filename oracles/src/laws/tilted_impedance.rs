@@ -20,10 +20,10 @@
 //! from 0.05 to 20. It was 0.02 for single places of [`SLOPES`] too while each of these slopes had weights of its own.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, named};
 use super::rig::{Rig, difference};
 use super::setting::Setting;
 use super::tilted::Tilted;
-use super::{Depth, Measurement, named};
 use fdtd::Error;
 use fdtd::scheme::Scheme;
 use fdtd::walls::{Impedance, WallModel};

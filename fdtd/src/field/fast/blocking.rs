@@ -4,7 +4,7 @@
 //! written, the next step finds nearly all of them there. Wider stencils move on by more rows per step and have more to do for each
 //! number: they take many rows, in parts short enough that a cell is there for all rows of its stencil.
 
-use super::kernel::InstructionSet;
+use super::instructions::InstructionSet;
 use super::layout::{RowLayout, WIDE};
 use crate::scheme::Scheme;
 

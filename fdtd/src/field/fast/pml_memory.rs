@@ -4,8 +4,8 @@
 //! keeps its own and that of its outer face, two numbers instead of three. The innermost face of a layer does not decay and
 //! remembers zero. Checkpoints hold both copies.
 
-use super::LINE;
 use super::layout::RowLayout;
+use super::line::LINE;
 
 /// Memory of the layers along x, row by row: cells and lower faces of the low side, zeros, upper faces and cells of the high side.
 #[derive(Debug, Clone, Copy)]

@@ -1,9 +1,11 @@
 //! What a step does in one row: stencils and layers.
 
 use super::super::stencil::{Splat, layer};
-use super::RIM;
 use crate::number::Number;
 use crate::scheme::Scheme;
+
+/// Cells of zero pressure around the grid, as many as the widest stencil reaches.
+pub(super) const RIM: usize = 3;
 
 /// What the layer takes the second difference of, for neighbouring cells of a row; `at(along, across)` gives the cells from the
 /// first one on, shifted along the absorbed axis and across it.

@@ -9,8 +9,8 @@
 
 use rayon::prelude::*;
 
-use super::{Room, Vec3, dot};
-use crate::image_source::{CHUNK_SAMPLES, ImageSourceOptions};
+use super::super::pair::{CHUNK_SAMPLES, ImageSourceOptions};
+use super::faces::{Room, Vec3, dot};
 use fdtd::waveform::PeriodicWaveform;
 
 /// Spacing of the times at which delays are solved, in seconds. At 2 m/s^2, more than a robot does, the chord in between is 3 ns off.

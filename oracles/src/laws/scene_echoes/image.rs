@@ -7,7 +7,7 @@ use rustfft::num_complex::Complex;
 use super::super::conditions::Conditions;
 use super::super::rig::decibels;
 use super::alone::{APART_M, rays};
-use super::{Echo, burst};
+use crate::exact::burst::Burst;
 use crate::exact::hankel::hankel0;
 use crate::rays::{RayKind, RayPath, Reflectors};
 use fdtd::scene::Scene;
@@ -16,6 +16,34 @@ use fdtd::simulation::SOURCE_STRENGTH_M2PS;
 
 /// Frequencies of the fit: first, last and step, in hertz on the papers' grid.
 const FIT_HZ: [f64; 3] = [5e3, 11e3, 125.0];
+
+/// One echo, field and image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Echo {
+    /// What the ray met.
+    pub kind: RayKind,
+    /// Numbers of the walls that it met.
+    pub walls: Vec<usize>,
+    /// Whether all of them run along the grid.
+    pub along_grid: bool,
+    /// Length of the ray in metres.
+    pub length_m: f64,
+    /// Arrival of the burst's peak by the image at the speed of sound, in seconds.
+    pub arrival_s: f64,
+    /// Level of the image's echo relative to 1 Pa of peak spectrum, dB; for figures.
+    pub level_db: f64,
+    /// Field's level over the image's, dB.
+    pub louder_db: f64,
+    /// Field's delay minus the image's with the grid's dispersion, in seconds.
+    pub late_s: f64,
+    /// Field's delay of the envelope minus the image's at the speed of sound, in seconds.
+    pub late_on_c_s: f64,
+}
+
+/// What the loudspeaker sends, of peak 1.
+pub fn burst(conditions: &Conditions) -> Burst {
+    conditions.burst(8e3, 2e3)
+}
 
 /// How many orders of its walls a ray stands for: a double echo between two walls is heard both ways round, a corner's only once.
 fn orders(ray: &RayPath) -> f64 {

@@ -23,13 +23,13 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use self::alone::alone;
+pub use self::image::{Echo, burst};
 use self::image::{echo, images};
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement};
 use super::rig::{difference, echoes, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement};
-use crate::exact::burst::Burst;
-use crate::rays::{RayKind, RayPath, Reflectors};
+use crate::rays::{RayPath, Reflectors};
 use fdtd::Error;
 use fdtd::motion::{DrivePath, MotionState};
 use fdtd::scene::Scene;
@@ -39,29 +39,6 @@ use fdtd::walls::{Wall, WallModel};
 const SCENE: &str = include_str!("../../../../scenes/four_walls.json");
 /// Duration on the papers' grid.
 const DURATION_S: f64 = 0.031;
-
-/// One echo, field and image.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Echo {
-    /// What the ray met.
-    pub kind: RayKind,
-    /// Numbers of the walls that it met.
-    pub walls: Vec<usize>,
-    /// Whether all of them run along the grid.
-    pub along_grid: bool,
-    /// Length of the ray in metres.
-    pub length_m: f64,
-    /// Arrival of the burst's peak by the image at the speed of sound, in seconds.
-    pub arrival_s: f64,
-    /// Level of the image's echo relative to 1 Pa of peak spectrum, dB; for figures.
-    pub level_db: f64,
-    /// Field's level over the image's, dB.
-    pub louder_db: f64,
-    /// Field's delay minus the image's with the grid's dispersion, in seconds.
-    pub late_s: f64,
-    /// Field's delay of the envelope minus the image's at the speed of sound, in seconds.
-    pub late_on_c_s: f64,
-}
 
 /// A place of the robot: what is heard there, and the echoes that can be compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,11 +55,6 @@ pub struct Place {
     pub images: Vec<f64>,
     /// The echoes that stand alone.
     pub echoes: Vec<Echo>,
-}
-
-/// What the loudspeaker sends, of peak 1.
-pub fn burst(conditions: &Conditions) -> Burst {
-    conditions.burst(8e3, 2e3)
 }
 
 /// Hears the echoes at a place of the scene.

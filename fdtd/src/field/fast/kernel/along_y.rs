@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use super::super::super::layer_row;
 use super::super::super::stencil::{Splat, face_memory, layer_cell};
-use super::super::Plan;
+use super::super::super::step::layer_row;
+use super::super::plan::Plan;
 use super::near::{Loads, Near, Turned, beside};
+use super::shared::{Levels, Shared};
 use super::sweep::Sweep;
 use super::vector::Vector;
-use super::{Levels, Shared};
 
 /// The layers along y on some vectors of the centre in some rows, after the plain step.
 ///

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::super::super::{flush_subnormals, layer_row};
-use super::super::Plan;
+use super::super::super::step::{flush_subnormals, layer_row};
+use super::super::plan::Plan;
+use super::shared::{Levels, Shared};
 use super::vector::Vector;
-use super::{Levels, Shared};
 
 /// What a flushing step does to the memory of the layers in some rows before it is used.
 ///

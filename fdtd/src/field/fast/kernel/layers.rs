@@ -7,13 +7,13 @@
 use std::ops::Range;
 
 use super::super::super::stencil::{Splat, face_memory, layer_cell};
-use super::super::Plan;
 use super::super::layout::{Column, NARROW};
+use super::super::plan::Plan;
 use super::along_y::LayerRow;
 use super::near::{Loads, beside};
+use super::shared::{Levels, Shared, Weights};
 use super::sweep::Sweep;
 use super::vector::Vector;
-use super::{Levels, Shared, Weights};
 
 /// One step of some rows of the strips.
 ///

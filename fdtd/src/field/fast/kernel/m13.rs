@@ -1,7 +1,7 @@
 //! The 13-point scheme's sweep.
 
 use super::super::super::stencil::Splat;
-use super::super::LINE;
+use super::super::line::LINE;
 use super::near::Near;
 use super::sweep::Sweep;
 use super::vector::Vector;

@@ -5,7 +5,7 @@
 //! * `layers`: the strips beside the centre with the absorbing layers along x; `along_y`: those along y; `near`: what they see of a cell's neighbourhood;
 //! * `flush_subnormals`: small numbers set to zero;
 //! * `halo`: the cells that rows hold twice;
-//! * `instructions`: which instruction sets there are; `vector`: eight or sixteen numbers of one.
+//! * `shared`: buffers, levels and weights; `compiled`: functions for an instruction set; `vector`: eight or sixteen numbers of one.
 //!
 //! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same
 //! time, which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said
@@ -18,13 +18,14 @@
 )]
 
 mod along_y;
+mod compiled;
 mod d25;
 mod flush_subnormals;
 mod halo;
-mod instructions;
 mod layers;
 mod m13;
 mod near;
+mod shared;
 mod slf;
 mod sweep;
 mod transducers;
@@ -33,67 +34,26 @@ mod walls;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-pub use self::instructions::InstructionSet;
 #[cfg(target_arch = "x86_64")]
-pub(in crate::field) use self::instructions::{with_avx2, with_avx512};
+pub(in crate::field) use self::compiled::{with_avx2, with_avx512};
 
 use self::d25::D25;
 use self::m13::M13;
+pub(super) use self::shared::Shared;
+use self::shared::{Levels, Weights};
 use self::slf::Slf;
 use self::sweep::{Sweep, SweepVector};
+use self::vector::Plain;
 #[cfg(target_arch = "x86_64")]
 use self::vector::{Avx, Avx512};
-use self::vector::{Plain, Vector};
-use super::super::StepForcing;
-use super::super::stencil::Splat;
+use super::super::step::StepForcing;
+use super::instructions::InstructionSet;
+use super::line::Line;
+use super::plan::Plan;
 use super::team::{Front, Team};
 use super::tiles::Tile;
-use super::{Line, Plan};
 use crate::scheme::Scheme;
 use crate::spread::{Stencil, TAPS};
-
-/// The buffers of a field as the tiles of one time block see them.
-#[derive(Clone, Copy)]
-pub(super) struct Shared {
-    /// Level of the first step, and the past that it overwrites; both start at the first row of the rim.
-    pub(super) levels: [*mut f32; 2],
-    /// Layer memory along x, see `pml_memory`.
-    pub(super) layer_x: *mut f32,
-    /// Layer memory along y, see `pml_memory`.
-    pub(super) layer_y: *mut f32,
-    /// Memory of surfaces that are not rigid; that of a row belongs to who writes the row.
-    pub(super) surfaces: *mut f32,
-}
-
-/// The stencil's weights for whole vectors and for the narrow ones of the strips, worked out once for all rows of a tile.
-struct Weights<V: Vector> {
-    wide: Splat<V>,
-    narrow: Splat<V::Narrow>,
-}
-
-impl<V: Vector> Weights<V> {
-    #[inline(always)]
-    fn new(plan: &Plan) -> Self {
-        let weights = &plan.setup.weights;
-        Self {
-            wide: Splat::new(weights),
-            narrow: Splat::new(weights),
-        }
-    }
-}
-
-/// The levels of one step: the one it reads, and the past that it overwrites.
-#[derive(Clone, Copy)]
-struct Levels {
-    now: *const f32,
-    next: *mut f32,
-}
-
-// SAFETY: the pointers are only used by tiles of one block, on disjoint rows (see `tiles`), while the field that owns
-// the buffers is mutably borrowed by the call that starts them.
-unsafe impl Send for Shared {}
-// SAFETY: as above.
-unsafe impl Sync for Shared {}
 
 /// Sums that the receiver's rows leave, `[step, row of stencil]`, as bits of `f64`.
 pub(super) type RowSums = [[AtomicU64; TAPS]];

@@ -1,8 +1,8 @@
 //! Source and receiver in one row. Functions of their own: a step calls them for few of its rows, and the compiler would otherwise spread their checks over
 //! the sweeps' function, which has no register to spare.
 
-use super::super::super::Injection;
-use super::super::Plan;
+use super::super::super::step::Injection;
+use super::super::plan::Plan;
 use crate::spread::Stencil;
 
 /// Adds to row `iy`, which is one of the stencil's, what the source sends into it. Solid cells take nothing.

@@ -1,7 +1,7 @@
 //! Vectors of numbers: what the sweeps need of an instruction set.
 //! Loads and stores go through raw pointers; every function states what its caller promises.
 
-use super::super::super::{FLUSH_BELOW_PA, flush_subnormals};
+use super::super::super::step::{FLUSH_BELOW_PA, flush_subnormals};
 use super::super::layout::{NARROW, WIDE};
 use crate::number::Number;
 

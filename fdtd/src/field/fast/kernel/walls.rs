@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::super::Plan;
+use super::super::plan::Plan;
 use super::super::walls::{Corrections, RowSurface, Walls};
-use super::{Levels, Shared};
+use super::shared::{Levels, Shared};
 use crate::boundary::Reaction;
 
 /// Corrects the cells of some rows whose stencils meet walls. The numbers of entries named here are those of flat walls of whole

@@ -4,8 +4,11 @@
 //! heard (after every step, warm-ups included, so that its length tells the segment), pressure, previous pressure, layer memory along x and y, what
 //! walls that are not rigid remember; then a digest of all.
 
+use std::hash::Hasher;
 use std::io::Write;
 use std::path::Path;
+
+use fnv::FnvHasher;
 
 use super::Simulation;
 use super::domain::Domain;
@@ -16,14 +19,13 @@ use crate::walls::Opening;
 
 const MAGIC: &str = "fdtd checkpoint 6";
 
-/// FNV-1a over whole numbers: enough to tell inputs apart and to notice a damaged file.
+/// FNV-1a over the little-endian bytes of whole numbers: enough to tell inputs apart and to notice a damaged file.
 fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
-    numbers
-        .into_iter()
-        .flat_map(u64::to_le_bytes)
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        })
+    let mut hasher = FnvHasher::default();
+    for number in numbers {
+        hasher.write(&number.to_le_bytes());
+    }
+    hasher.finish()
 }
 
 fn save(file: &Path, fingerprint: &str, heard: &[f32], state: &FieldState) -> Result<(), Error> {

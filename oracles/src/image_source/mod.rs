@@ -23,7 +23,7 @@ use fdtd::motion::DrivePath;
 use fdtd::simulation::SOURCE_STRENGTH_M2PS;
 use fdtd::walls::Wall;
 use fdtd::waveform::PeriodicWaveform;
-use pair::CHUNK_SAMPLES;
+use pair::in_chunks;
 use rayon::prelude::*;
 use track::EchoTrack;
 
@@ -46,29 +46,16 @@ pub fn synthesize_pair(
         .filter_map(|sequence| EchoTrack::new(reflectors, sequence, pair, medium, options.fade_m))
         .collect();
 
-    // A whole number of samples must not be lost to the last bit of a product.
     let zero_s = options.stamped.then_some(0.5 * pair.duration_s);
-    let samples = (pair.duration_s * sample_rate_hz + 1e-6).floor().max(0.0) as usize;
-    let mut signal = vec![0.0_f32; samples];
-    signal
-        .par_chunks_mut(CHUNK_SAMPLES)
-        .enumerate()
-        .for_each(|(chunk, out)| {
-            let mut sum = vec![0.0_f64; out.len()];
-            for track in &tracks {
-                track.add_to(
-                    &mut sum,
-                    chunk * CHUNK_SAMPLES,
-                    sample_rate_hz,
-                    strength,
-                    zero_s,
-                );
-            }
-            for (sample, value) in out.iter_mut().zip(sum) {
-                *sample = value as f32;
-            }
-        });
-    signal
+    in_chunks(pair.duration_s, sample_rate_hz, |first, out| {
+        let mut sum = vec![0.0_f64; out.len()];
+        for track in &tracks {
+            track.add_to(&mut sum, first, sample_rate_hz, strength, zero_s);
+        }
+        for (sample, value) in out.iter_mut().zip(sum) {
+            *sample = value as f32;
+        }
+    })
 }
 
 /// A robot on its drive.

@@ -1,10 +1,12 @@
-//! What sounds and what hears it, and which images count.
+//! What sounds and what hears it, which images count, and the samples of a signal.
+
+use rayon::prelude::*;
 
 /// Time of the onset ramp of the source, in seconds.
 pub(super) const ONSET_S: f64 = 1e-3;
 
 /// Samples that one thread works on at a time.
-pub(super) const CHUNK_SAMPLES: usize = 4096;
+const CHUNK_SAMPLES: usize = 4096;
 
 /// Which images sound.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,4 +45,19 @@ pub struct PlanePair<'a> {
     pub receiver_at: PositionAt<'a>,
     /// How long they are recorded, in seconds.
     pub duration_s: f64,
+}
+
+/// The `floor(duration_s * sample_rate_hz)` samples of a signal, a chunk at a time on all threads: `fill` takes the
+/// index of a chunk's first sample, and the chunk.
+pub(super) fn in_chunks(
+    duration_s: f64,
+    sample_rate_hz: f64,
+    fill: impl Fn(usize, &mut [f32]) + Sync,
+) -> Vec<f32> {
+    // A whole number of samples must not be lost to the last bit of a product.
+    let samples = (duration_s * sample_rate_hz + 1e-6).floor().max(0.0) as usize;
+    let mut signal = vec![0.0_f32; samples];
+    let chunks = signal.par_chunks_mut(CHUNK_SAMPLES).enumerate();
+    chunks.for_each(|(chunk, out)| fill(chunk * CHUNK_SAMPLES, out));
+    signal
 }

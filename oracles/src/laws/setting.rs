@@ -3,6 +3,10 @@
 //! A layout is drawn with its walls above or on the right, say; mirrored and transposed it lies in any of eight ways, and walls in any half. The draw depends on
 //! nothing but the names of law and case.
 
+use std::hash::Hasher;
+
+use fnv::FnvHasher;
+
 use super::conditions::{CONDITIONS, Conditions};
 use fdtd::motion::MotionState;
 use fdtd::scheme::Scheme;
@@ -158,10 +162,11 @@ struct Draw {
 
 impl Draw {
     fn new(law: &str, case: &str) -> Self {
-        let letters = law.bytes().chain([0]).chain(case.bytes());
-        let state = letters.fold(0xcbf2_9ce4_8422_2325_u64, |hash, letter| {
-            (hash ^ u64::from(letter)).wrapping_mul(0x0100_0000_01b3)
-        });
+        let mut hasher = FnvHasher::default();
+        for name in [law, "\0", case] {
+            hasher.write(name.as_bytes());
+        }
+        let state = hasher.finish();
         Self { state }
     }
 

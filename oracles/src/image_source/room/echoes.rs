@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::super::pair::{CHUNK_SAMPLES, ImageSourceOptions};
+use super::super::pair::{ImageSourceOptions, in_chunks};
 use super::faces::{Room, Vec3, dot};
 use fdtd::waveform::PeriodicWaveform;
 
@@ -52,33 +52,26 @@ pub fn synthesize(
         .filter(|sequence| options.include_direct || !sequence.is_empty())
         .filter_map(|sequence| track(room, sequence, pair, c_mps, options.fade_m))
         .collect();
-    // A whole number of samples must not be lost to the last bit of a product.
-    let samples = (pair.duration_s * sample_rate_hz + 1e-6).floor().max(0.0) as usize;
-    let mut signal = vec![0.0_f32; samples];
-    signal
-        .par_chunks_mut(CHUNK_SAMPLES)
-        .enumerate()
-        .for_each(|(chunk, out)| {
-            for (offset, sample) in out.iter_mut().enumerate() {
-                let place = (chunk * CHUNK_SAMPLES + offset) as f64 / sample_rate_hz / NODE_S;
-                let index = place as usize;
-                let u = place - index as f64;
-                let sum: f64 = tracks
-                    .iter()
-                    .map(|nodes| {
-                        let (before, after) = (nodes[index], nodes[index + 1]);
-                        let gain = before.gain + u * (after.gain - before.gain);
-                        if gain == 0.0 {
-                            return 0.0;
-                        }
-                        let sent_s = before.sent_s + u * (after.sent_s - before.sent_s);
-                        gain * waveform.value(sent_s)
-                    })
-                    .sum();
-                *sample = sum as f32;
-            }
-        });
-    signal
+    in_chunks(pair.duration_s, sample_rate_hz, |first, out| {
+        for (offset, sample) in out.iter_mut().enumerate() {
+            let place = (first + offset) as f64 / sample_rate_hz / NODE_S;
+            let index = place as usize;
+            let u = place - index as f64;
+            let sum: f64 = tracks
+                .iter()
+                .map(|nodes| {
+                    let (before, after) = (nodes[index], nodes[index + 1]);
+                    let gain = before.gain + u * (after.gain - before.gain);
+                    if gain == 0.0 {
+                        return 0.0;
+                    }
+                    let sent_s = before.sent_s + u * (after.sent_s - before.sent_s);
+                    gain * waveform.value(sent_s)
+                })
+                .sum();
+            *sample = sum as f32;
+        }
+    })
 }
 
 /// When what is heard at a node was sent, and how loud it is.

@@ -14,7 +14,7 @@ use fdtd::walls::SolidMask;
 
 /// Cells of the absorbing layers.
 const LAYER_CELLS: usize = 20;
-/// Steps of one timed piece; whole blocks of both engines.
+/// Steps of one timed run; whole blocks of both engines.
 const STEPS: usize = 64;
 /// Sides of the squares: in the second-level cache, and the papers' grid.
 const SIDES: [usize; 2] = [256, 1000];

@@ -83,7 +83,7 @@ fn compare(setup: &FieldSetup, forcing: &[StepForcing], threads: usize, machine:
     let mut fast = FastField::on(machine, setup.clone(), threads);
     let (mut expected, mut got) = (Vec::new(), Vec::new());
     plain.advance(forcing, &mut expected);
-    // Uneven pieces: blocks of all lengths occur, odd ones swap the buffers.
+    // Uneven parts: blocks of all lengths occur, odd ones swap the buffers.
     let (head, tail) = forcing.split_at(forcing.len() / 3);
     fast.advance(head, &mut got);
     let mut resumed = FastField::on(machine, setup.clone(), 1);

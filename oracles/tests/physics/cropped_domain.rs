@@ -10,8 +10,8 @@
 use std::collections::BTreeMap;
 
 use crate::rig::{
-    Setting, assert_foreign, code_on_carrier, decibels, difference, handed_over, heard, norm,
-    run_to,
+    Setting, assert_foreign, code_on_carrier, decibels, difference, engine, handed_over, heard,
+    norm, run_to,
 };
 use fdtd::grid::Grid;
 use fdtd::motion::{DrivePath, MotionState};
@@ -141,16 +141,7 @@ fn what_lies_deep_in_the_walls_of_a_closed_room_and_beyond_is_not_missed_at_all(
 #[test]
 fn threads_engine_and_interruptions_do_not_matter() {
     let scene = scene(Scheme::O13, WallModel::CutCells);
-    let with = |threads, reference_engine| {
-        simulation(
-            &scene,
-            SimulationOptions {
-                threads,
-                reference_engine,
-                ..SimulationOptions::default()
-            },
-        )
-    };
+    let with = |threads, reference_engine| simulation(&scene, engine(threads, reference_engine));
     let alone = heard(with(1, false));
     assert!(alone == heard(with(3, false)), "threads");
     assert!(alone == heard(with(1, true)), "reference engine");

@@ -2,7 +2,7 @@
 
 use fdtd::field::{Field, StepForcing};
 use fdtd::scheme::Scheme;
-use fdtd::simulation::{Flow, Simulation};
+use fdtd::simulation::{Flow, Simulation, SimulationOptions};
 use fdtd::walls::{Impedance, Wall, WallModel};
 use fdtd::waveform::PeriodicWaveform;
 use oracles::laws::Measurement;
@@ -39,6 +39,15 @@ pub(crate) fn code_on_carrier(
     let period_s = conditions.s(samples.len() as f64 / 40e3);
     let band_hz = band_hz.map(|hz| conditions.hz(hz));
     PeriodicWaveform::with_band(&samples, period_s, band_hz, 1.0 / conditions.dt_s)
+}
+
+/// Default options with so many threads and an engine of choice.
+pub(crate) fn engine(threads: usize, reference_engine: bool) -> SimulationOptions {
+    SimulationOptions {
+        threads,
+        reference_engine,
+        ..SimulationOptions::default()
+    }
 }
 
 /// Runs a simulation until it has come to a step.

@@ -35,8 +35,24 @@ use fdtd::motion::{DrivePath, MotionState};
 use fdtd::scene::Scene;
 use fdtd::walls::{Wall, WallModel};
 
-/// The scene.
-const SCENE: &str = include_str!("../../../../scenes/four_walls.json");
+/// Walls, grid and emitter of `scenes/four_walls.json`; a test holds them equal.
+const SCENE: &str = r#"{
+    "name": "four walls",
+    "medium": { "c_mps": 340.0, "rho_kgpm3": 1.293 },
+    "grid": { "nx": 1000, "ny": 1000, "dx_m": 0.005, "dt_s": 8.333333333333334e-06 },
+    "layer_cells": 20,
+    "scheme": "o13",
+    "spread": "kaiser12",
+    "wall_model": "staircase",
+    "walls": [
+        { "points_m": [[0.49, 0.5], [2.63, 0.5]], "thickness_m": 0.02 },
+        { "points_m": [[0.5, 0.49], [0.5, 2.74]], "thickness_m": 0.02 },
+        { "points_m": [[1.172, 3.787], [3.312, 4.5]], "thickness_m": 0.02 },
+        { "points_m": [[3.611, 1.773], [4.233, 3.638]], "thickness_m": 0.02 }
+    ],
+    "waveform": { "code_length": 1023, "chip_rate_hz": 10000.0, "carrier_hz": 10000.0, "band_hz": [0.0, 14000.0] },
+    "sample_rate_hz": 40000.0
+}"#;
 /// Duration on the papers' grid.
 const DURATION_S: f64 = 0.031;
 
@@ -107,7 +123,7 @@ fn place(scene: &Scene, whole: bool, place_m: [f64; 2]) -> Result<Place, Error> 
 /// # Errors
 /// When the field becomes non-finite.
 pub fn places(depth: Depth) -> Result<Vec<Place>, Error> {
-    let mut whole = Scene::from_json(SCENE, Path::new("scenes/four_walls.json"))?;
+    let mut whole = Scene::from_json(SCENE, Path::new("four walls"))?;
     whole.wall_model = WallModel::CutCells;
     let mut along = whole.clone();
     along.walls.retain(|wall| {
@@ -213,4 +229,19 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
         }
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scene_is_that_of_the_scene_file() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/four_walls.json");
+        let mut shipped = Scene::load(&file).unwrap();
+        shipped.description.clear();
+        shipped.paths.clear();
+        let own = Scene::from_json(SCENE, Path::new("four walls")).unwrap();
+        assert_eq!(format!("{own:?}"), format!("{shipped:?}"));
+    }
 }

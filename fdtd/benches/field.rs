@@ -1,5 +1,6 @@
-//! Speed of the field engines with everything on (layers on four sides, a slanted wall, moving source and receiver), in cells
-//! per second, and of the spreading kernels. `echolot bench` measures more sizes, threads and the machine's peaks beside them.
+//! Speed of the field engines with everything on (layers on four sides, a slanted wall, moving source and receiver), in
+//! cells per second, and of the spreading kernels. `echolot bench` measures more sizes, threads and the machine's peaks
+//! beside them.
 
 use std::hint::black_box;
 

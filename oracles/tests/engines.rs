@@ -105,6 +105,13 @@ fn bits(signal: &[f32]) -> Vec<u32> {
     signal.iter().map(|p| p.to_bits()).collect()
 }
 
+const INSTRUCTIONS: [InstructionSet; 4] = [
+    InstructionSet::Portable,
+    InstructionSet::Avx2,
+    InstructionSet::Avx512,
+    InstructionSet::Avx512,
+];
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
@@ -116,7 +123,7 @@ proptest! {
         scheme in prop::sample::select(&Scheme::ALL[..]),
         spread in prop::sample::select(&Spread::ALL[..]),
         steps in 20usize..70,
-        instructions in prop::sample::select(&[InstructionSet::Portable, InstructionSet::Avx2, InstructionSet::Avx512, InstructionSet::Avx512][..]),
+        instructions in prop::sample::select(&INSTRUCTIONS[..]),
         first_level_bytes in prop_oneof![Just(0usize), 2000usize..20_000],
         rectangles in prop::collection::vec(prop::array::uniform4(0usize..180), 0..4),
         lines in prop::collection::vec(prop::array::uniform4(0.0..0.9_f64), 0..3),

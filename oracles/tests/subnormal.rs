@@ -1,10 +1,12 @@
-//! Domain: a source that is switched on in silence. Ahead of the wave front the field falls off faster than any exponential (after n steps only the
-//! tails of n stencils reach there), therefore through all numbers down to zero: without flushing steps a band of subnormal numbers, which some
-//! processors handle slowly, runs ahead of the front and through the layers. Behind it no number is that small again while the source sounds.
-//! Expected: a few per mille to per cent of the cells on the way without flushing steps; with them less than a hundredth of that at any time. Without
-//! them too none are left once the front has crossed the domain and its layers several times, which is why long drives can do without. The signal
-//! differs by rounding: what flushing steps take is far below the last digit of what is heard, but any other digit anywhere in the field makes other
-//! roundings later. Tolerance: -110 dB over the first 1200 steps.
+//! Domain: a source that is switched on in silence. Ahead of the wave front the field falls off faster than any
+//! exponential (after n steps only the tails of n stencils reach there), therefore through all numbers down to zero:
+//! without flushing steps a band of subnormal numbers, which some processors handle slowly, runs ahead of the front and
+//! through the layers. Behind it no number is that small again while the source sounds.
+//! Expected: a few per mille to per cent of the cells on the way without flushing steps; with them less than a
+//! hundredth of that at any time. Without them too none are left once the front has crossed the domain and its layers
+//! several times, which is why long drives can do without. The signal differs by rounding: the numbers set to zero are
+//! far below the last digit of the signal, but any other digit anywhere in the field makes other roundings later.
+//! Tolerance: -110 dB over the first 1200 steps.
 
 use fdtd::field::{FastField, Field, FieldSetup, Injection, StepForcing, flushes_subnormals};
 use fdtd::grid::Grid;
@@ -17,7 +19,7 @@ use std::f64::consts::TAU;
 
 const SIDE: usize = 243;
 
-/// What a scheme's runs draw.
+/// Setting of a scheme's runs.
 fn conditions(scheme: Scheme) -> Conditions {
     Setting::drawn("subnormal", scheme.name()).conditions
 }

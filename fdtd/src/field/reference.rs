@@ -1,4 +1,5 @@
-//! The plain engine: one sweep over the rows per step, nothing rearranged; in `f32`, and in `f64` with the same weights.
+//! The plain engine: one sweep over the rows per step, nothing rearranged; in `f32`, and in `f64` with the same
+//! weights.
 
 mod rows;
 
@@ -26,7 +27,7 @@ struct PlainField<N> {
     layer_x: Vec<N>,
     layer_y: Vec<N>,
     surfaces: Vec<N>,
-    /// What the layers take the second difference of, for the cells of three rows or of one with its neighbours.
+    /// Quantity whose second difference the layers take, for the cells of three rows or of one with its neighbours.
     layered: [Vec<N>; 3],
 }
 
@@ -56,8 +57,8 @@ impl<N: Real> PlainField<N> {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
         {
-            // Without the hint the closure stays a function of its own, compiled without fused multiply-adds: twenty times
-            // slower.
+            // Without the hint the closure stays a function of its own, compiled without fused multiply-adds: twenty
+            // times slower.
             super::fast::with_avx2(
                 #[inline(always)]
                 || self.rows(flush),
@@ -218,8 +219,8 @@ impl ReferenceField {
     }
 }
 
-/// The plain engine in `f64` with the weights as they are in `f32`: the discrete operator without the roundings of a step. Its growth or
-/// decay over silence tells the spectrum of what both engines take.
+/// The plain engine in `f64` with the weights as they are in `f32`: the discrete operator without the roundings of a
+/// step. Its growth or decay over silence shows the spectrum of the step of both engines.
 #[derive(Debug, Clone)]
 pub struct PreciseField(PlainField<f64>);
 
@@ -235,8 +236,9 @@ impl PreciseField {
         self.0.silence_walls();
     }
 
-    /// All that the field remembers, as one vector: pressure `[iy, ix]`, its change over the last step in units of `sqrt(2^-23)`, the memory of
-    /// the layers along x and y, and that of the surfaces. In these units what the restoring quantum alone makes swing keeps its length.
+    /// All that the field remembers, as one vector: pressure `[iy, ix]`, its change over the last step in units of
+    /// `sqrt(2^-23)`, the memory of the layers along x and y, and that of the surfaces. In these units what the
+    /// restoring quantum alone makes swing keeps its length.
     pub fn vector(&self) -> Vec<f64> {
         let field = &self.0;
         let (now, past) = (field.plain(&field.now), field.plain(&field.other));
@@ -251,7 +253,8 @@ impl PreciseField {
         vector
     }
 
-    /// Takes over what [`PreciseField::vector`] gave, or a sum of such vectors; of another one, zero in solid cells, what a step can have left.
+    /// Takes over what [`PreciseField::vector`] gave, or a sum of such vectors; of another one, zero in solid cells,
+    /// what a step can have left.
     ///
     /// # Panics
     /// When the length is another.

@@ -1,4 +1,4 @@
-//! What stays the same from step to step: scheme, layer, walls and surfaces on one grid.
+//! The constants of a field: scheme, layer, walls and surfaces on one grid.
 
 use crate::boundary::{Surfaces, surfaces};
 use crate::grid::{Grid, Medium};
@@ -7,7 +7,7 @@ use crate::scheme::{Scheme, Weights};
 use crate::walls::WallCells;
 use crate::walls::operator::WallOperator;
 
-/// Everything that stays the same from step to step.
+/// The constants of a field.
 #[derive(Debug, Clone)]
 pub struct FieldSetup {
     /// Cells along x.

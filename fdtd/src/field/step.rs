@@ -9,16 +9,17 @@ use crate::spread::Stencil;
 pub struct Injection {
     /// Where.
     pub stencil: Stencil,
-    /// How much, in Pa.
+    /// Its amplitude in Pa.
     pub amplitude: f32,
 }
 
 /// Pressure that a flushing step takes for zero, in Pa: 400 dB below one.
 pub const FLUSH_BELOW_PA: f32 = 1e-20;
 
-/// Whether step `step` of a run sets small numbers to zero. Two steps in a row do, for a step takes two levels and sets only the newest to zero; then none
-/// until the front, which runs ahead with the stencil's outermost weights (0.3, -0.02, 0.004 on the papers' grid), or the layers' memory, which keeps
-/// a tenth from step to step, comes near to 1e-38, where the normal range of `f32` ends.
+/// Whether step `step` of a run sets small numbers to zero. Two steps in a row do, for a step takes two levels and sets
+/// only the newest to zero; then none until the front, which runs ahead with the stencil's outermost weights (0.3,
+/// -0.02, 0.004 on the papers' grid), or the layers' memory, which keeps a tenth from step to step, comes near to
+/// 1e-38, where the normal range of `f32` ends.
 pub fn flushes_subnormals(scheme: Scheme, step: u64) -> bool {
     let period = match scheme {
         Scheme::Slf => 16,
@@ -28,7 +29,7 @@ pub fn flushes_subnormals(scheme: Scheme, step: u64) -> bool {
     step % period < 2
 }
 
-/// What the outside does to and reads from one step.
+/// Input and output of one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepForcing {
     /// Whether the step sets what is below [`FLUSH_BELOW_PA`] to zero.
@@ -50,8 +51,9 @@ pub struct FieldState {
     pub layer_x: Vec<f32>,
     /// Memory of the layers along y: `[row of layer, 3, ix]`, rows of the low side first.
     pub layer_y: Vec<f32>,
-    /// Velocity times `rho c` into surfaces that are not rigid, half a step before `pressure`, in Pa: one for each surface and row of the grid that it
-    /// takes its flow from. With branches velocity and spring of each of them, see [`crate::boundary::Branches`].
+    /// Velocity times `rho c` into surfaces that are not rigid, half a step before `pressure`, in Pa: one for each
+    /// surface and row of the grid that it takes its flow from. With branches velocity and spring of each of them, see
+    /// [`crate::boundary::Branches`].
     pub surfaces: Vec<f32>,
 }
 

@@ -25,14 +25,14 @@ enum Course {
 }
 
 impl DrivePath {
-    /// A drive from `start` through `commands`, each with a commanded speed and turn rate that the robot approaches with
-    /// limited accelerations.
+    /// A drive from `start` through `commands`, each with a commanded speed and turn rate that the robot approaches
+    /// with limited accelerations.
     ///
     /// `start` holds the speeds at time 0 too: zeros for a robot that starts at rest.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with origin `path` when there is no command, a number is not finite or out of range, or the commands
-    /// last longer than [`MAX_DURATION_S`] together.
+    /// [`Error::Invalid`] with origin `path` when there is no command, a number is not finite or out of range, or the
+    /// commands last longer than [`MAX_DURATION_S`] together.
     pub fn from_commands(
         start: MotionState,
         commands: &[VelocityCommand],
@@ -60,8 +60,8 @@ impl DrivePath {
     /// A drive through measured poses, joined by cubic splines; time 0 is the first sample.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with origin `path` when there are fewer than two samples, a number is not finite or the times do
-    /// not increase.
+    /// [`Error::Invalid`] with origin `path` when there are fewer than two samples, a number is not finite or the times
+    /// do not increase.
     pub fn from_samples(samples: &[PoseSample]) -> Result<Self, Error> {
         let course = samples::SampledCourse::new(samples)?;
         Ok(Self {
@@ -87,7 +87,8 @@ impl DrivePath {
         }
     }
 
-    /// Pose and speeds at time `t_s`, which is clamped to the drive. Costs about 0.1 us; the position is exact to better than 1 um.
+    /// Pose and speeds at time `t_s`, which is clamped to the drive. Costs about 0.1 us; the position is exact to
+    /// better than 1 um.
     pub fn state_at(&self, t_s: f64) -> MotionState {
         let t_s = t_s.clamp(0.0, self.duration_s());
         match &self.course {

@@ -1,4 +1,4 @@
-//! Pose and speeds at one time, the range of both, and whose fault an error is.
+//! Pose and speeds at one time, their ranges, and the origin of errors.
 
 use crate::error::Error;
 
@@ -6,7 +6,7 @@ use crate::error::Error;
 pub const MAX_DURATION_S: f64 = 3600.0;
 /// Fastest turn that is accepted, in rad/s.
 pub const MAX_TURN_RADPS: f64 = 20.0;
-/// Fastest drive that is accepted, in m/s. [`crate::scene::Scene::check`] asks for less: half the speed of sound.
+/// Fastest drive that is accepted, in m/s. [`crate::scene::Scene::check`] allows less: half the speed of sound.
 pub const MAX_SPEED_MPS: f64 = 1000.0;
 
 /// Pose and speeds of the robot at one time.

@@ -1,4 +1,5 @@
-//! A drive of velocity commands with limited accelerations: speeds are piecewise linear in time, the heading piecewise quadratic.
+//! A drive of velocity commands with limited accelerations: speeds are piecewise linear in time, the heading piecewise
+//! quadratic.
 
 use super::state::{MAX_DURATION_S, MAX_SPEED_MPS, MAX_TURN_RADPS, MotionState};
 use crate::error::Error;

@@ -36,9 +36,9 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Refuses a scene that cannot be simulated faithfully: an unstable step, too few cells per wavelength, walls or paths
-    /// outside the domain, in the absorbing layer or too near each other, more memory than the machine has, numbers out of
-    /// range.
+    /// Refuses a scene that cannot be simulated faithfully: an unstable step, too few cells per wavelength, walls or
+    /// paths outside the domain, in the absorbing layer or too near each other, more memory than the machine has,
+    /// numbers out of range.
     ///
     /// Call it again after changing a field, for example the scheme.
     ///

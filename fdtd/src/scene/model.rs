@@ -20,7 +20,8 @@ pub const MIN_WALL_CELLS: f64 = 2.0;
 
 /// Everything that determines a sound field but the choice of the drive.
 ///
-/// A scene from [`Scene::load`] or [`Scene::from_json`] has passed [`Scene::check`]; after changing a field, check again.
+/// A scene from [`Scene::load`] or [`Scene::from_json`] has passed [`Scene::check`]; after changing a field, check
+/// again.
 ///
 /// ```
 /// use fdtd::scene::Scene;
@@ -42,7 +43,7 @@ pub const MIN_WALL_CELLS: f64 = 2.0;
 pub struct Scene {
     /// Short name, for titles.
     pub name: String,
-    /// What the scene shows, in a sentence or two.
+    /// Description of the scene in a sentence or two.
     pub description: String,
     /// The medium of the field.
     pub medium: Medium,
@@ -60,7 +61,7 @@ pub struct Scene {
     pub walls: Vec<Wall>,
     /// How the walls become cells of the grid.
     pub wall_model: WallModel,
-    /// What the loudspeaker repeats.
+    /// The signal that the loudspeaker repeats.
     pub waveform: WaveformSpec,
     /// Sampling rate of the microphone signal in hertz.
     pub sample_rate_hz: f64,
@@ -80,8 +81,8 @@ pub struct WaveformSpec {
     pub chip_rate_hz: f64,
     /// Carrier frequency in hertz.
     pub carrier_hz: f64,
-    /// Band `[lower edge, upper edge]` in hertz that the loudspeaker emits; the 1 kHz inside an edge is a taper. A lower edge of 0
-    /// means no lower edge.
+    /// Band `[lower edge, upper edge]` in hertz that the loudspeaker emits; the 1 kHz inside an edge is a taper. A
+    /// lower edge of 0 means no lower edge.
     pub band_hz: [f64; 2],
 }
 

@@ -1,16 +1,17 @@
 //! Coefficients of the 25-point scheme: the smallest largest error of the phase velocity over a band.
 //!
-//! The scheme keeps `linear = courant^2`, so that long waves travel at the speed of sound, and has four coefficients to spare. To first
-//! order the relative error of the phase velocity of a wave number `k` (radians per cell) in a direction is
-//! `(symbol(k) - T) / (2 lambda k sin(lambda k))` with `T = 4 sin^2(lambda k / 2)`, which is linear in them. Its largest magnitude over all
-//! directions and all `k` up to the band's edge is made least by Lawson's iteration: least squares, each point's weight
-//! multiplied by its error, again and again. Nothing in it is random, and the result depends on the Courant number alone.
+//! The scheme keeps `linear = courant^2`, so that long waves travel at the speed of sound, and has four coefficients to
+//! spare. To first order the relative error of the phase velocity of a wave number `k` (radians per cell) in a
+//! direction is `(symbol(k) - T) / (2 lambda k sin(lambda k))` with `T = 4 sin^2(lambda k / 2)`, which is linear in
+//! them. Its largest magnitude over all directions and all `k` up to the band's edge is made least by Lawson's
+//! iteration: least squares, each point's weight multiplied by its error, again and again. Nothing in it is random, and
+//! the result depends on the Courant number alone.
 //!
 //! The band ends at 18 kHz on the papers' grid (5 mm, 340 m/s), that is at 3.78 cells per wavelength, on every grid.
 //!
-//! The 13-point scheme has two coefficients to spare. They are found in the same way, but for the group velocity, which tells
-//! where an echo appears, and up to 13 kHz (5.23 cells per wavelength). The group velocity's error is the derivative of `k` times that of the
-//! phase velocity, so it is linear in the coefficients too.
+//! The 13-point scheme has two coefficients to spare. They are found in the same way, but for the group velocity, by
+//! which an echo appears at its place, and up to 13 kHz (5.23 cells per wavelength). The group velocity's error is the
+//! derivative of `k` times that of the phase velocity, so it is linear in the coefficients too.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -54,7 +55,8 @@ impl BandPoint<4> {
 }
 
 impl BandPoint<2> {
-    /// Error of the group velocity of the scheme without third powers, between two wave numbers of the phase velocity's.
+    /// Error of the group velocity of the scheme without third powers, between two wave numbers of the phase
+    /// velocity's.
     fn group(courant: f64, k: [f64; 2], angle_rad: f64) -> Self {
         let [low, high] = k.map(|k| (k, BandPoint::phase(courant, k, angle_rad)));
         let slope = |of: &dyn Fn(&BandPoint<4>) -> f64| {
@@ -130,8 +132,8 @@ fn least_largest<const N: usize>(points: &[BandPoint<N>]) -> [f64; N] {
     best.0
 }
 
-/// Minimum of the weighted sum of squared errors, by the normal equations and Gauss-Jordan elimination. They are positive
-/// definite, the parts being independent functions: no pivot is zero.
+/// Minimum of the weighted sum of squared errors, by the normal equations and Gauss-Jordan elimination. They are
+/// positive definite, the parts being independent functions: no pivot is zero.
 fn least_squares<const N: usize>(points: &[BandPoint<N>], weights: &[f64]) -> [f64; N] {
     let mut rows = [[0.0; N]; N];
     let mut right = [0.0; N];

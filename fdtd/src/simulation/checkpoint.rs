@@ -1,7 +1,8 @@
 //! Checkpoints: the state of a run on disk.
 //!
-//! A line of text that says what run it is, then the lengths of six arrays as little-endian `u64`, then the arrays as little-endian `f32`: what was
-//! heard (after every step, warm-ups included, so that its length tells the segment), pressure, previous pressure, layer memory along x and y, what
+//! A line of text that identifies the run, then the lengths of six arrays as little-endian `u64`, then the arrays as
+//! little-endian `f32`: the received signal (after every step, warm-ups included, so that its length determines the
+//! segment), pressure, previous pressure, layer memory along x and y, what
 //! walls that are not rigid remember; then a digest of all.
 
 use std::hash::Hasher;
@@ -19,7 +20,7 @@ use crate::walls::Opening;
 
 const MAGIC: &str = "fdtd checkpoint 6";
 
-/// FNV-1a over the little-endian bytes of whole numbers: enough to tell inputs apart and to notice a damaged file.
+/// FNV-1a over the little-endian bytes of whole numbers: enough to distinguish inputs and to detect a damaged file.
 fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
     let mut hasher = FnvHasher::default();
     for number in numbers {
@@ -197,7 +198,8 @@ impl Simulation {
             count => format!(" in {count} pieces {:016x}", digest(self.plan.numbers())),
         };
         format!(
-            "{grid:?} {medium:?} {scheme} {spread} layer {layer_cells} walls {walls:016x} drive {drive:016x} steps {steps}{plan}"
+            "{grid:?} {medium:?} {scheme} {spread} layer {layer_cells} walls {walls:016x} \
+             drive {drive:016x} steps {steps}{plan}"
         )
     }
 }

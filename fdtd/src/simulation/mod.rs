@@ -1,4 +1,4 @@
-//! A drive through a scene: moving source and receiver on the field, step after step, to a microphone signal.
+//! A drive through a scene: the moving pair on the field, step after step, to a microphone signal.
 
 mod checkpoint;
 mod domain;
@@ -25,8 +25,9 @@ use segment_planner::cheapest_plan;
 use segments::SegmentPlan;
 use watch::{Sight, Watch};
 
-/// Steps of a drive up to which its small numbers are set to zero ([`crate::field::flushes_subnormals`]): 0.8 s on the papers' grid. In a longer one the start, the only
-/// time at which there are subnormal numbers, is less than a thousandth, and flushing steps would cost more than they save.
+/// Steps of a drive up to which its small numbers are set to zero ([`crate::field::flushes_subnormals`]): 0.8 s on the
+/// papers' grid. In a longer one the start, the only time at which there are subnormal numbers, is less than a
+/// thousandth, and flushing steps would cost more than they save.
 const MOST_FLUSHED_STEPS: u64 = 100_000;
 
 /// Most steps between two calls of the observer.
@@ -42,19 +43,19 @@ pub struct Simulation {
     pair: MovingPair,
     /// Silence at time 0, then microphone pressure after each step of each segment, warm-ups included.
     heard: Vec<f32>,
-    /// Samples asked for, at `decimator`'s rate.
+    /// Number of samples of the signal, at `decimator`'s rate.
     samples: usize,
     decimator: Decimator,
     threads: usize,
     reference_engine: bool,
     /// Lower left corner of the domain in the scene, metres.
     origin_m: [f64; 2],
-    /// When the observer wants to look, beside the progress.
+    /// Times at which the observer is called in addition.
     looks: Option<Rhythm>,
     watch: Watch,
 }
 
-/// What is wanted of a run.
+/// Duration and sampling of the signal of a run.
 struct Listening {
     duration_s: f64,
     sample_rate_hz: f64,
@@ -117,7 +118,7 @@ impl Simulation {
         })
     }
 
-    /// A run from its parts: `duration_s` seconds of `pair` in `domain`, heard at `sample_rate_hz` up to `band_hz`.
+    /// A run from its parts: `duration_s` seconds of `pair` in `domain`, sampled at `sample_rate_hz` up to `band_hz`.
     ///
     /// # Errors
     /// [`Error::Invalid`] when the rates do not fit (see [`Decimator::new`]).
@@ -140,14 +141,14 @@ impl Simulation {
         Self::build(domain, pair, &listening, options, SegmentPlan::whole)
     }
 
-    /// Takes flushing steps ([`crate::field::flushes_subnormals`]) from now on, however long the drive is: for measurements of speed, to which the start of a drive is all
-    /// that there is. What is heard changes by roundings.
+    /// Takes flushing steps ([`crate::field::flushes_subnormals`]) from now on, however long the drive is: for
+    /// measurements of speed, to which the start of a drive is all that there is. The signal changes by roundings.
     pub fn flush_subnormals(&mut self) {
         self.pair.set_flushing(true);
     }
 
-    /// Calls the observer of [`Simulation::run`] at every multiple of `period_s` seconds of the drive too, to the nearest step; there
-    /// [`Simulation::is_look`] says so.
+    /// Calls the observer of [`Simulation::run`] at every multiple of `period_s` seconds of the drive too, to the
+    /// nearest step; there [`Simulation::is_look`] says so.
     pub fn look_every(&mut self, period_s: f64) {
         self.looks = Some(Rhythm::new(period_s, self.domain.grid.dt_s));
     }
@@ -218,7 +219,7 @@ impl Simulation {
     /// Runs to the end, or until the observer says stop; `observer` is called every 256 steps or sooner.
     ///
     /// # Errors
-    /// [`Error::Unstable`] when the field is what no source can have made.
+    /// [`Error::Unstable`] when the field has values that no source can have made.
     pub fn run(
         &mut self,
         observer: &mut dyn FnMut(Progress, &Self) -> Flow,
@@ -260,7 +261,7 @@ impl Simulation {
         Ok(Outcome::Finished)
     }
 
-    /// Looks at the field at once where samples of it, or the microphone, have what the source cannot have made.
+    /// Checks the field at once where samples of it, or the microphone, exceed the source's bounds.
     fn check_samples(&mut self, first: u64) -> Result<(), Error> {
         let last = self.drive_step();
         let heard = &self.heard[self.heard.len() - (last - first) as usize..];
@@ -280,7 +281,7 @@ impl Simulation {
         self.look_at_field(None)
     }
 
-    /// Looks whether the field is what the source can have made; `before` is the field a step ago.
+    /// Checks the field against the source's bounds; `before` is the field a step ago.
     fn look_at_field(&mut self, before: Option<&FieldState>) -> Result<(), Error> {
         let sight = Sight {
             domain: &self.domain,
@@ -313,7 +314,7 @@ impl Simulation {
         self.drive_step() as f64 * self.domain.grid.dt_s
     }
 
-    /// Whether what is heard now belongs to the signal, not to the warm-up of a segment of a free field.
+    /// Whether the present sample belongs to the signal, not to the warm-up of a segment of a free field.
     pub fn is_listening(&self) -> bool {
         self.drive_step() > self.plan.segments[self.segment].from
     }
@@ -329,7 +330,8 @@ impl Simulation {
         &self.domain
     }
 
-    /// Where in the scene the domain begins, `[x, y]` in metres: the origin, but for a free-field run, whose domain is cropped to the drive.
+    /// Where in the scene the domain begins, `[x, y]` in metres: the origin, but for a free-field run, whose domain is
+    /// cropped to the drive.
     pub fn origin_m(&self) -> [f64; 2] {
         self.origin_m
     }
@@ -347,7 +349,8 @@ impl Simulation {
         (4 * (2 * cells + layers) + 2 * cells) as u64 + 4 * (self.steps_total() + 1)
     }
 
-    /// Pressure in Pa now, in the whole domain: columns, rows, and `[iy, ix]` values; zero outside of a segment's window.
+    /// Pressure in Pa now, in the whole domain: columns, rows, and `[iy, ix]` values; zero outside of a segment's
+    /// window.
     pub fn pressure_frame(&self) -> (usize, usize, Vec<f32>) {
         let window = self.plan.segments[self.segment].window;
         let (nx, ny) = (self.domain.grid.nx, self.domain.grid.ny);
@@ -359,8 +362,8 @@ impl Simulation {
         self.plan.join(&self.heard)
     }
 
-    /// Microphone signal in Pa, anti-aliased and at the sampling rate; sample `k` is at time `k / f_s`. Complete once the
-    /// run has finished.
+    /// Microphone signal in Pa, anti-aliased and at the sampling rate; sample `k` is at time `k / f_s`. Complete once
+    /// the run has finished.
     pub fn signal(&self) -> Vec<f32> {
         let mut signal = self.decimator.apply(&self.received());
         signal.truncate(self.samples);

@@ -1,5 +1,5 @@
-//! The direct method: a moving source spread onto the grid, a moving receiver interpolated from it (Tsuchiya and Kanamori
-//! 2021; Tsuchiya, Teshima and Hiryu 2022).
+//! The direct method: a moving source spread onto the grid, a moving receiver interpolated from it (Tsuchiya and
+//! Kanamori 2021; Tsuchiya, Teshima and Hiryu 2022).
 //!
 //! The source of strength `q` (m^2/s) adds `rho c^2 dt / (2 dx^2) [(w q)^{n+1} - (w q)^{n-1}]` to the pressure at step
 //! `n + 1`, with `w` the spreading weights at the place where the source is at each of the two times. The difference
@@ -20,7 +20,7 @@ pub const SOURCE_STRENGTH_M2PS: f64 = 1e-3;
 /// A function of time in seconds.
 type OfTime<T> = Box<dyn Fn(f64) -> T + Send + Sync>;
 
-/// A moving source, a moving receiver and what the source emits.
+/// A moving source, a moving receiver and the source's strength.
 pub struct MovingPair {
     spread: Spread,
     scheme: Scheme,
@@ -43,8 +43,8 @@ pub struct MovingPair {
 }
 
 impl MovingPair {
-    /// `source_m` and `receiver_m` give the places (metres, in the domain) and `strength_m2ps` the source strength at a time
-    /// in seconds; up to and at time 0 the source is silent. `coincident` says that both places are the same.
+    /// `source_m` and `receiver_m` give the places (metres, in the domain) and `strength_m2ps` the source strength at a
+    /// time in seconds; up to and at time 0 the source is silent. `coincident` says that both places are the same.
     pub fn new(
         domain: &Domain,
         source_m: OfTime<[f64; 2]>,
@@ -95,8 +95,8 @@ impl MovingPair {
     /// `w q` at step `n`, scaled to pressure.
     fn contribution(&self, step: i64) -> Injection {
         let t = step as f64 * self.dt_s;
-        // Silent at the first step too: the field starts at rest, and a contribution that entered it without its counterpart two
-        // steps earlier would leave a constant pressure behind.
+        // Silent at the first step too: the field starts at rest, and a contribution that entered it without its
+        // counterpart two steps earlier would leave a constant pressure behind.
         let strength = if step <= self.start {
             0.0
         } else {
@@ -116,7 +116,7 @@ impl MovingPair {
         0.5 - 0.5 * (PI * steps as f64 / self.ramp as f64).cos()
     }
 
-    /// What happens in the step from level `step` to `step + 1`.
+    /// Injections and receiver of the step from level `step` to `step + 1`.
     pub fn forcing(&mut self, step: u64) -> StepForcing {
         let n = step as i64;
         let [before, now] = match self.recent {

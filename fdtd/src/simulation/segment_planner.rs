@@ -1,10 +1,11 @@
-//! Where a drive is, tick by tick, and the segments that are made of ticks.
+//! Planning of the segments of a free-field drive: the extent of the drive in intervals of time (ticks), and the
+//! cheapest segments made of whole ticks.
 
 use super::domain::{Domain, Extent};
 use super::segments::{Segment, SegmentPlan, Window};
 
-/// Time between a segment's first step and the first that is its own, in crossings of a window: about 10 ms on the papers' grid. Measured
-/// there, a quarter of it gives the same signal within the layers' error.
+/// Time between a segment's first step and the first that is its own, in crossings of a window: about 10 ms on the
+/// papers' grid (docs/theory/domains.md).
 const WARM_UP_CROSSINGS: f64 = 8.0;
 
 /// Parts of the warm-up in which the source rises, and in which the segment fades in.
@@ -16,8 +17,8 @@ const TICK_CROSSINGS: f64 = 4.0;
 const INSTANTS: u64 = 5;
 
 /// The plan of least work for `steps` steps of a free-field drive through `points` (metres, in the domain) at a time in
-/// seconds: the whole domain, or segments of equal length. Depends on nothing else, so that all runs of a drive give the
-/// same bytes.
+/// seconds: the whole domain, or segments of equal length. Depends on nothing else, so that all runs of a drive give
+/// the same bytes.
 pub(super) fn cheapest_plan(
     domain: &Domain,
     steps: u64,
@@ -34,7 +35,7 @@ pub(super) fn cheapest_plan(
     )
 }
 
-/// Where the drive is, tick by tick.
+/// The extent of the drive, tick by tick.
 pub(super) struct SegmentPlanner {
     steps: u64,
     steps_per_tick: u64,
@@ -69,7 +70,8 @@ impl SegmentPlanner {
         }
     }
 
-    /// Lengths of segments to choose from, in ticks: longer than the warm-up, each half as long again as the one before.
+    /// Lengths of segments to choose from, in ticks: longer than the warm-up, each half as long again as the one
+    /// before.
     pub(super) fn lengths(&self) -> impl Iterator<Item = usize> {
         let first = 1 + (self.warm_up / self.steps_per_tick) as usize;
         std::iter::successors(Some(first), |length| Some(length + length.div_ceil(2)))
@@ -90,7 +92,7 @@ impl SegmentPlanner {
             for tick in &self.extents[(start / self.steps_per_tick) as usize..end] {
                 extent.join(tick);
             }
-            // The drive's own beginning is what it is.
+            // The drive's own beginning has no warm-up.
             let part = |part: f64| match index {
                 0 => 0,
                 _ => (part * self.warm_up as f64) as u64,

@@ -1,23 +1,27 @@
-//! What of the domain is simulated: all that walls and drive take, or, of a free-field drive, segments of time, each in a small domain around where
-//! the drive is then.
+//! The simulated part of the domain: all that walls and drive take, or, for a free-field drive, segments of time, each
+//! in a small window around the pair.
 //!
-//! Without walls nothing comes back: what the microphone hears now left the loudspeaker a moment ago, and cells far from both
-//! cannot matter. Each segment starts from silence some time before it is listened to. In this warm-up the source rises from zero
-//! in a smooth ramp, and what the ramp itself sent out passes the microphone and goes into the layer; then the segment before it
-//! fades out and it fades in, for the two differ by rounding errors of a few hertz, in which a step would be heard.
+//! Without walls there are no echoes: sound at the microphone left the loudspeaker a moment ago, and cells far from
+//! both cannot matter. Each segment starts from silence some time before its first sample. In this warm-up the source
+//! rises from zero in a smooth ramp, and what the ramp itself sent out passes the microphone and goes into the layer;
+//! then the segment before it fades out and it fades in, for the two differ by rounding errors of a few hertz, which
+//! would leave a step.
 //!
-//! A segment's window is a whole number of cells away from the domain's origin, so that source and receiver keep their places within
-//! a cell to the last bit. All times are multiples of the time that sound takes across a window, so that they suit any grid.
+//! A segment's window is a whole number of cells away from the domain's origin, so that source and receiver keep their
+//! places within a cell to the last bit. All times are multiples of the time that sound takes across a window, so that
+//! they suit any grid.
 
 use super::domain::{Domain, Extent};
 use crate::field::FieldSetup;
 use crate::grid::Grid;
 use crate::walls::WallCells;
 
-/// A row costs as much as this many further cells: the layers at its ends, and its start (fast engine, 13-point stencil).
+/// A row costs as much as this many further cells: the layers at its ends, and its start (fast engine, 13-point
+/// stencil).
 const ROW_COST_CELLS: u64 = 300;
 
-/// Cells of a segment, counted from the domain's first; a window may reach beyond the domain, where there is nothing but air.
+/// Cells of a segment, counted from the domain's first; a window may reach beyond the domain, where there is nothing
+/// but air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Window {
     pub(super) first: [i64; 2],
@@ -31,7 +35,7 @@ pub(super) struct Segment {
     pub(super) window: Window,
     /// First step that is simulated; the field before it is silent.
     pub(super) start: u64,
-    /// First step that is listened to.
+    /// First step of the signal.
     pub(super) from: u64,
     /// End of the steps.
     pub(super) to: u64,
@@ -131,7 +135,7 @@ impl SegmentPlan {
             .expect("a plan has a segment")
     }
 
-    /// What the field of a segment needs.
+    /// Setup of the field of a segment.
     ///
     /// # Panics
     /// As [`FieldSetup::new`].
@@ -169,7 +173,9 @@ impl SegmentPlan {
         self.segments.iter().map(Segment::cost).sum()
     }
 
-    /// The drive's signal from what was heard so far in all segments one after the other: entry `n` of either after `n` steps, the first silent.
+    /// The drive's signal from the samples of all segments one after the other: entry `n` of either after `n` steps,
+    /// the first
+    /// silent.
     pub(super) fn join(&self, heard: &[f32]) -> Vec<f32> {
         let mut joined = heard[..1].to_vec();
         for segment in &self.segments {
@@ -202,8 +208,8 @@ impl Window {
         }
     }
 
-    /// What a drive and the walls that sound from its start (source and receiver, metres) can meet take of the domain, with clearance and layer; never
-    /// more than the domain.
+    /// The part of the domain around a drive and the walls that sound from its start (source and receiver, metres) can
+    /// reach, with clearance and layer; never more than the domain.
     fn within(domain: &Domain, drive: &Extent, start: [[f64; 2]; 2]) -> Self {
         let whole = Self::whole(domain);
         let mut first = drive
@@ -241,7 +247,8 @@ impl Window {
         }
     }
 
-    /// The window's values among zeros in a frame of `nx` by `ny`, both `[iy, ix]`; what reaches beyond the frame is left out.
+    /// The window's values among zeros in a frame of `nx` by `ny`, both `[iy, ix]`; what reaches beyond the frame is
+    /// left out.
     pub(super) fn place(&self, values: &[f32], nx: usize, ny: usize) -> Vec<f32> {
         let mut frame = vec![0.0; nx * ny];
         for (row, from) in values.chunks_exact(self.nx).enumerate() {

@@ -1,19 +1,20 @@
-//! A run watches itself: what no source can have made ends it.
+//! Stability watch of a run: a field that no source can have made ends it.
 //!
-//! The scheme is stable for every step that a scene may have (`docs/theory/stability.md`), so that this is for what nobody thought of: a defect of the
-//! solver, of the machine, or a domain put together by hand. Two things are looked at, some ten times in a second of sound, and what the microphone
-//! receives at every call of the observer. *Pressure*: of
-//! the source's strength `q` one step adds at most `A = rho c^2 dt |q| / (2 dx^2)` to a cell; near the source the pressure stays within a few times that, and
-//! where it meets nothing but rigid walls and a resonance, it grows by `4 rho c^2 / S` times the integral of `|q|` at most, `S` being the area of the
-//! air. *Energy*: while the source is silent it must not grow; it is the invariant of the leapfrog step,
-//! `|p' - p|^2 / 2 - p' . (p' - 2 p + p'') / 2`.
+//! The scheme is stable for every step that a scene may have (`docs/theory/stability.md`), so that this is for what
+//! nobody thought of: a defect of the solver, of the machine, or a domain put together by hand. Two things are looked
+//! at, some ten times in a second of sound, and what the microphone receives at every call of the observer. *Pressure*:
+//! of the source's strength `q` one step adds at most `A = rho c^2 dt |q| / (2 dx^2)` to a cell; near the source the
+//! pressure stays within a few times that, and where it meets nothing but rigid walls and a resonance, it grows by
+//! `4 rho c^2 / S` times the integral of `|q|` at most, `S` being the area of the air. *Energy*: while the source is
+//! silent it must not grow; it is the invariant of the leapfrog step, `|p' - p|^2 / 2 - p' . (p' - 2 p + p'') / 2`.
 
 use super::domain::Domain;
 use super::segments::Window;
 use crate::Error;
 use crate::field::{FieldState, StepForcing};
 
-/// Steps between two looks: a tenth of a second on the papers' grid, in which a mode that grows by 75 1/s does so by 65 dB.
+/// Steps between two looks: a tenth of a second on the papers' grid, in which a mode that grows by 75 1/s does so by 65
+/// dB.
 const STRIDE: u64 = 12_000;
 /// Pressure near the source over what one step adds.
 const NEAR: f64 = 10.0;
@@ -22,7 +23,7 @@ const GROWTH: f64 = 4.0;
 /// Pressure, as a part of what the source can make, below which energy is rounding.
 const FLOOR: f64 = 1e-6;
 
-/// What a run knows of itself.
+/// State of the watch of a run.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Watch {
     /// Step, warm-ups included, from which on the next look is due.
@@ -35,7 +36,7 @@ pub(super) struct Watch {
     first: Option<f64>,
 }
 
-/// What a look at the field needs.
+/// Context of a check of the field.
 pub(super) struct Sight<'a> {
     pub(super) domain: &'a Domain,
     pub(super) window: Window,
@@ -61,14 +62,15 @@ impl Watch {
         self.loudest = self.loudest.max(loudest);
     }
 
-    /// Whether a look is due at `step`; if so, whether the energy is to be looked at, for which the field must be known a step before.
+    /// Whether a look is due at `step`; if so, whether the energy is to be looked at, for which the field must be known
+    /// a step before.
     pub(super) fn is_due(&self, step: u64) -> [bool; 2] {
         let due = step >= self.next;
         [due, due && self.silent]
     }
 
-    /// Pressure that the source can have made in so many steps with so many cells of air, Pa; without end while it has made no sound, for a field
-    /// may be given a pressure to start with.
+    /// Pressure that the source can have made in so many steps with so many cells of air, Pa; without end while it has
+    /// made no sound, for a field may be given a pressure to start with.
     pub(super) fn most(&self, steps: u64, cells: usize) -> f64 {
         if self.loudest == 0.0 {
             return f64::INFINITY;

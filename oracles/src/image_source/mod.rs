@@ -1,13 +1,14 @@
-//! The signal of a moving loudspeaker and microphone among rigid walls by image sources: ray acoustics as an independent check of
-//! the field, and a recording within seconds instead of minutes.
+//! The signal of a moving loudspeaker and microphone among rigid walls by image sources: ray acoustics as an
+//! independent check of the field, and a recording within seconds instead of minutes.
 //!
-//! Every face sequence up to `max_order` mirrors the loudspeaker's whole path. The echo at time `t` left its image at the retarded time
-//! `t_e` with `c (t - t_e) = |x_r(t) - x_i(t_e)|`, and the pressure there is that of a moving line source,
+//! Every face sequence up to `max_order` mirrors the loudspeaker's whole path. The echo at time `t` left its image at
+//! the retarded time `t_e` with `c (t - t_e) = |x_r(t) - x_i(t_e)|`, and the pressure there is that of a moving line
+//! source,
 //! ```text
 //! p(t) = rho / (2 sqrt(2 pi tau)) (1 - M_n)^(-3/2) [D^(1/2) q - 1/(8 tau) D^(-1/2) q](t_e),   tau = t - t_e
 //! ```
-//! with `M_n` the Mach number of the image towards the receiver. It knows no diffraction: at the borders of a wall's reflection and of its shadow an
-//! echo fades over a few centimetres instead of over its Fresnel zone.
+//! with `M_n` the Mach number of the image towards the receiver. It leaves out diffraction: at the borders of a wall's
+//! reflection and of its shadow an echo fades over a few centimetres instead of over its Fresnel zone.
 
 mod pair;
 pub mod room;
@@ -27,8 +28,8 @@ use pair::in_chunks;
 use rayon::prelude::*;
 use track::EchoTrack;
 
-/// Pressure in Pa at the microphone of a moving pair: `floor(duration * sample_rate)` samples, the first at time 0. The source is silent before
-/// time 0. The result does not depend on the number of threads.
+/// Pressure in Pa at the microphone of a moving pair: `floor(duration * sample_rate)` samples, the first at time 0. The
+/// source is silent before time 0. The result does not depend on the number of threads.
 pub fn synthesize_pair(
     reflectors: &Reflectors,
     pair: &PlanePair<'_>,

@@ -1,4 +1,4 @@
-//! What sounds and what hears it, which images count, and the samples of a signal.
+//! The loudspeaker and the microphone, options, and the samples of a signal.
 
 use rayon::prelude::*;
 
@@ -8,17 +8,18 @@ pub(super) const ONSET_S: f64 = 1e-3;
 /// Samples that one thread works on at a time.
 const CHUNK_SAMPLES: usize = 4096;
 
-/// Which images sound.
+/// Selection of the images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageSourceOptions {
     /// Most reflections of an echo.
     pub max_order: usize,
-    /// Whether the sound that reaches the microphone without reflection is included. It never is when the two are less than 1 mm
-    /// apart, where a line source has no finite pressure.
+    /// Whether the sound that reaches the microphone without reflection is included. It never is when the two are less
+    /// than 1 mm apart, where a line source has no finite pressure.
     pub include_direct: bool,
     /// Distance in metres on either side of a border of visibility over which an echo fades; more than 0.
     pub fade_m: f64,
-    /// Source strength times the time since the middle of the drive, which tells travel times ([`fdtd::medium::absorbed`]).
+    /// Source strength times the time since the middle of the drive, which gives travel times
+    /// ([`fdtd::medium::absorbed`]).
     pub stamped: bool,
 }
 
@@ -33,7 +34,7 @@ impl Default for ImageSourceOptions {
     }
 }
 
-/// A position in metres at any time in seconds; asked at times somewhat before 0 and after the end too.
+/// A position in metres at any time in seconds; evaluated at times somewhat before 0 and after the end too.
 pub type PositionAt<'a> = &'a (dyn Fn(f64) -> [f64; 2] + Sync);
 
 /// A loudspeaker and a microphone that move.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::setting::Setting;
 use fdtd::scheme::Scheme;
 
-/// How much is measured.
+/// Extent of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Depth {
     /// Every law, few cases.
@@ -19,9 +19,9 @@ pub enum Depth {
 /// A number and the range that a law leaves it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
-    /// What was looked at, e.g. `d25, 60 degrees`.
+    /// The case, e.g. `d25, 60 degrees`.
     pub case: String,
-    /// What was measured, with its unit.
+    /// The quantity, with its unit.
     pub quantity: Cow<'static, str>,
     /// The number.
     pub measured: f64,
@@ -42,7 +42,7 @@ impl Measurement {
         }
     }
 
-    /// [`Self::within`] for what is held to the law, [`Self::shown`] for what stands beside it.
+    /// [`Self::within`] for a number held to the law, [`Self::shown`] for one beside it.
     pub fn held(
         held: bool,
         case: String,

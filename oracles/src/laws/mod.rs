@@ -1,7 +1,9 @@
-//! Laws of physics that the field is held against, as measurements: what the tests assert and `echolot validate` prints.
+//! Laws of physics that the field is held against, as measurements: what the tests assert and `echolot validate`
+//! prints.
 //!
-//! Each file measures one kind of law and says layout, formula, known bias and tolerance at its top. A measurement is a number with the
-//! range that it may have. Each case draws a medium, a grid and how its layout lies on it ([`setting`]).
+//! Each file measures one kind of law and says layout, formula, known bias and tolerance at its top. A measurement is a
+//! number with the range that it may have. Each case draws a medium, a grid and how its layout lies on it
+//! ([`setting`]).
 
 pub mod branches;
 pub mod conditions;

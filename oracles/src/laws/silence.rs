@@ -1,11 +1,12 @@
 //! Silence stays silent, in any air.
 //!
-//! Layout: 56 x 48 cells of 5 mm with layers of 16, steps of 1/120 ms, both open; a burst of 4 to 12 kHz, then 20 s of silence in `f32`. Air from
-//! -20 to 50 degC in steps of one degree, by `c = 331.3 sqrt(1 + T/273.15)` m/s.
-//! Formula: after the burst nothing brings energy in. The largest sum of squares in each 0.1 s must not exceed that of the 0.1 s before.
+//! Layout: 56 x 48 cells of 5 mm with layers of 16, steps of 1/120 ms, both open; a burst of 4 to 12 kHz, then 20 s of
+//! silence in `f32`. Air from -20 to 50 degC in steps of one degree, by `c = 331.3 sqrt(1 + T/273.15)` m/s.
+//! Formula: after the burst nothing brings energy in. The largest sum of squares in each 0.1 s must not exceed that of
+//! the 0.1 s before.
 //! Bias: the field's numbers end at 1e-20 Pa, which flushing steps set to zero.
-//! Tolerance: no growth of the sum of squares; -100 dB of the burst's at the end. Beside it a constant pressure, which no wave carries away
-//! and the layers must take: -40 dB after two seconds.
+//! Tolerance: no growth of the sum of squares; -100 dB of the burst's at the end. Beside it a constant pressure, which
+//! no wave carries away and the layers must take: -40 dB after two seconds.
 
 use rayon::prelude::*;
 

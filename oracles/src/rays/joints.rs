@@ -1,8 +1,8 @@
 //! Where the faces of walls end: at free ends, at mitred joints, and inside other walls.
 //!
-//! Where two segments share an end, their faces are cut or prolonged to meet at the mitre, so that a closed corner has its apex where the
-//! wall's surface has it and not where the centre lines meet. Where walls overlap otherwise (two walls drawn into each other, a wall that
-//! ends in the middle of another), what lies inside the other wall is cut out.
+//! Where two segments share an end, their faces are cut or prolonged to meet at the mitre, so that a closed corner has
+//! its apex where the wall's surface has it and not where the centre lines meet. Where walls overlap otherwise (two
+//! walls drawn into each other, a wall that ends in the middle of another), what lies inside the other wall is cut out.
 
 use super::face::Face;
 use super::plane::{Vec2, add, cross, dot, left_of, length, scale, sub};
@@ -44,7 +44,7 @@ fn mitred(segments: &[WallSegment], index: usize, side: f64) -> Face {
     }
 }
 
-/// What is left of a face when the parts inside other walls are taken away.
+/// The parts of a face that are not inside other walls.
 fn visible_pieces(segments: &[WallSegment], face: Face) -> Vec<Face> {
     let mut pieces = vec![[0.0, face.length_m]];
     for (index, other) in segments.iter().enumerate() {
@@ -108,8 +108,8 @@ fn joint_tolerance_m(one: &WallSegment, other: &WallSegment) -> f64 {
     JOINT_TOLERANCE_M.max(0.5 * one.thickness_m.min(other.thickness_m))
 }
 
-/// How much of a face the joint at `joint_m` takes away (or adds, negative), in metres. `away` is the unit vector from the joint along
-/// the segment.
+/// How much of a face the joint at `joint_m` takes away (or adds, negative), in metres. `away` is the unit vector from
+/// the joint along the segment.
 fn mitre_m(segments: &[WallSegment], index: usize, joint_m: Vec2, away: Vec2, normal: Vec2) -> f64 {
     let own = &segments[index];
     // Turning from this segment towards the face's side, the first other segment met bounds the same free sector.

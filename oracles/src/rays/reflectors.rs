@@ -1,7 +1,7 @@
 //! The rigid faces of finite wall segments and what they hide.
 //!
-//! A wall of thickness `T` shows two faces, one on each side, at `T/2` from its centre line (see [`super::joints`] for how they end where walls
-//! meet). The short faces at free ends are left out: they are narrower than a wavelength.
+//! A wall of thickness `T` shows two faces, one on each side, at `T/2` from its centre line (see [`super::joints`] for
+//! how they end where walls meet). The short faces at free ends are left out: they are narrower than a wavelength.
 
 use super::face::Face;
 use super::joints::faces_of;
@@ -84,8 +84,8 @@ impl Reflectors {
             .collect()
     }
 
-    /// All face sequences up to `max_order` reflections along which sound can travel at all, shortest first: each next face
-    /// lies at least partly in front of the one before, and the other way round.
+    /// All face sequences up to `max_order` reflections along which sound can travel at all, shortest first: each next
+    /// face lies at least partly in front of the one before, and the other way round.
     pub fn sequences(&self, max_order: usize) -> Vec<Vec<usize>> {
         let mut all: Vec<Vec<usize>> = Vec::new();
         let mut longest: Vec<Vec<usize>> = vec![Vec::new()];
@@ -117,8 +117,9 @@ impl Reflectors {
         last.segment != next.segment && sees(last, next) && sees(next, last)
     }
 
-    /// Share of a leg from `from_m` to `to_m` that gets past the walls, 1 free and 0 blocked. It passes by one half when the leg grazes a
-    /// wall's end and changes within `fade_m` on either side of it. The segments `through` do not hide it.
+    /// Share of a leg from `from_m` to `to_m` that gets past the walls, 1 free and 0 blocked. It passes by one half
+    /// when the leg grazes a wall's end and changes within `fade_m` on either side of it. The segments `through` do not
+    /// hide it.
     pub(crate) fn transmission(
         &self,
         from_m: Vec2,

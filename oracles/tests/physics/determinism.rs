@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 /// Upper end of the band on the papers' grid, in hertz.
 const BAND_HZ: f64 = 19e3;
 
-/// What a scheme's runs draw.
+/// Setting of a scheme's runs.
 fn setting(scheme: Scheme) -> Setting {
     Setting::drawn("determinism", scheme.name())
 }
@@ -79,7 +79,7 @@ fn bytes(simulation: Simulation) -> Vec<u32> {
     bytes_with(simulation, |_| Flow::Continue)
 }
 
-/// What is heard when the observer says `flow` after so many steps.
+/// Signal when the observer returns `flow` after so many steps.
 fn bytes_with(mut simulation: Simulation, flow: impl Fn(u64) -> Flow) -> Vec<u32> {
     let outcome = simulation.run(&mut |progress, _| flow(progress.step));
     assert!(outcome.is_ok(), "{outcome:?}");
@@ -97,7 +97,7 @@ fn heard(scheme: Scheme, path: &DrivePath, options: &SimulationOptions) -> Vec<u
 
 #[test]
 fn at_rest_is_zero_velocity() {
-    // The pair that is pinned down below knows no drive to crop a domain to.
+    // The pair that is pinned down below has no drive to crop a domain to.
     let options = SimulationOptions {
         whole_domain: true,
         ..SimulationOptions::default()

@@ -2,11 +2,12 @@
 //!
 //! Layout: 1.2 m x 1 m without walls; a robot at 0.9 m/s on a curve for 0.3 s with the microphone at the loudspeaker or
 //! 0.1 m ahead of it; a code on a carrier of 10 kHz, up to 14 kHz; schemes slf and o13, kaiser12.
-//! Formula: without walls nothing comes back, so that a domain around where the drive is now gives what one around the whole drive does.
-//! Bias: the layers, which are nearer in a segment (-90 dB; slf with the microphone apart -80 dB). Rounding errors of both runs wander at a
-//! few hertz, far below the band, -65 dB and less of the direct wave.
-//! Tolerance: the difference less its mean over 1 ms around it, in every 2.5 ms, below -70 dB of the direct wave's rms; all of the
-//! difference below -60 dB. Threads, engine and interruptions: none, bit for bit.
+//! Formula: without walls nothing comes back, so that a domain around where the drive is now gives what one around the
+//! whole drive does.
+//! Bias: the layers, which are nearer in a segment (-90 dB; slf with the microphone apart -80 dB). Rounding errors of
+//! both runs wander at a few hertz, far below the band, -65 dB and less of the direct wave.
+//! Tolerance: the difference less its mean over 1 ms around it, in every 2.5 ms, below -70 dB of the direct wave's rms;
+//! all of the difference below -60 dB. Threads, engine and interruptions: none, bit for bit.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +25,7 @@ use oracles::laws::corner;
 const DURATION_S: f64 = 0.3;
 const BAND_HZ: [f64; 2] = [0.0, 14e3];
 
-/// What a scheme's runs draw.
+/// Setting of a scheme's runs.
 fn setting(scheme: Scheme) -> Setting {
     Setting::drawn("free field in pieces", scheme.name())
 }
@@ -117,7 +118,8 @@ fn segments_sound_like_the_whole() {
                 .map(|part| decibels(rms(part) / direct))
                 .fold(f64::NEG_INFINITY, f64::max);
             println!(
-                "free field in segments, {scheme}, microphone {apart_m} m apart: {all_db:.1} dB in all, at most {worst_db:.1} dB above 1 kHz"
+                "free field in segments, {scheme}, microphone {apart_m} m apart: {all_db:.1} dB in all, \
+                 at most {worst_db:.1} dB above 1 kHz"
             );
             assert!(all_db < -60.0, "{scheme}, {apart_m} m: {all_db} dB");
             assert!(worst_db < -70.0, "{scheme}, {apart_m} m: {worst_db} dB");

@@ -89,8 +89,8 @@ pub(crate) fn assert_foreign(from: &Simulation, to: &mut Simulation) {
     );
 }
 
-/// A closed box of 56 x 56 cells with walls that are rigid or of an impedance, each from `[x0, y0]` by `[x1, y1]` to `[y1, x0]`, in m
-/// on the papers' grid.
+/// A closed box of 56 x 56 cells with walls that are rigid or of an impedance, each from `[x0, y0]` by `[x1, y1]` to
+/// `[y1, x0]`, in m on the papers' grid.
 pub(crate) fn crossed_room(
     setting: &Setting,
     scheme: Scheme,
@@ -112,7 +112,8 @@ pub(crate) fn crossed_room(
     rig.with_model(model, &walls)
 }
 
-/// The largest sum of squares of the pressure, looked at every 11 steps: at one moment a mode that is alone may have none.
+/// The largest sum of squares of the pressure, looked at every 11 steps: at one moment a mode that is alone may have
+/// none.
 pub(crate) fn largest_sum(field: &mut impl Field, steps: &[StepForcing]) -> f64 {
     let after = |some: &[StepForcing]| -> f64 {
         field.advance(some, &mut Vec::new());

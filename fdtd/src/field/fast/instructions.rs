@@ -9,7 +9,7 @@ pub enum InstructionSet {
     Avx512,
     /// AVX2 with fused multiply-add.
     Avx2,
-    /// What the target has by default (NEON on 64-bit Arm).
+    /// The target's default instructions (NEON on 64-bit Arm).
     Portable,
 }
 

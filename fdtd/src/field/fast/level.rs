@@ -8,8 +8,9 @@ use super::line::{LINE, Line};
 /// Lines in a page.
 const PAGE_LINES: usize = 4096 / size_of::<Line>();
 
-/// One time level. The two levels start at different places of a page, wherever the allocator puts them: were the same cells of both at the same place,
-/// loads of one would wait for stores to the other (the processor compares the low 12 bits first).
+/// One time level. The two levels start at different places of a page, wherever the allocator puts them: were the same
+/// cells of both at the same place, loads of one would wait for stores to the other (the processor compares the low 12
+/// bits first).
 #[derive(Debug)]
 pub(super) struct Level {
     lines: Vec<Line>,

@@ -1,4 +1,5 @@
-//! The fast engine: several steps per pass through memory, vectors of eight or sixteen cells, one strip of rows per thread.
+//! The fast engine: several steps per pass through memory, vectors of eight or sixteen cells, one strip of rows per
+//! thread.
 //!
 //! * `instructions`: the instruction sets; `line`, `level`: cache lines, and a time level made of them;
 //! * `blocking`: how much of the field a step takes at once, by the first-level cache;
@@ -38,7 +39,8 @@ use super::step::{Field, FieldState, StepForcing, combine_rows};
 use crate::spread::TAPS;
 
 /// Steps per time block, times the stencil's radius: the rows in flight of all steps (about `2 BLOCK` rows, 350 KiB at
-/// 1000 columns) stay in the second-level cache. From 16 to 64 the speed is the same on one thread within a few per cent.
+/// 1000 columns) stay in the second-level cache. From 16 to 64 the speed is the same on one thread within a few per
+/// cent.
 const BLOCK: usize = 32;
 
 /// Two time levels in lane-transposed rows.
@@ -63,8 +65,8 @@ impl FastField {
         Self::on(Machine::detect(), setup, threads)
     }
 
-    /// As [`FastField::new`], laid out for a machine of choice, which changes no byte; instructions that this one lacks are replaced by the best
-    /// it has.
+    /// As [`FastField::new`], laid out for a machine of choice, which changes no byte; instructions that this one lacks
+    /// are replaced by the best it has.
     ///
     /// # Panics
     /// When the threads cannot be started.

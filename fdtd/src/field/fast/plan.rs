@@ -1,4 +1,4 @@
-//! What stays the same from block to block.
+//! The constants of a field, the same for all blocks of steps.
 
 use super::super::setup::FieldSetup;
 use super::blocking::{Blocking, Machine};
@@ -8,7 +8,7 @@ use super::pml_memory::{MemoryX, MemoryY};
 use super::walls::Walls;
 use crate::pml::Profile;
 
-/// All that stays the same from block to block.
+/// The constants of a field, the same for all blocks of steps.
 #[derive(Debug)]
 pub(super) struct Plan {
     pub(super) setup: FieldSetup,

@@ -35,11 +35,12 @@ pub struct Room {
 }
 
 impl Room {
-    /// A room over `corners_m` (counter-clockwise), `height_m` high. Each reflection multiplies the pressure by `reflection`, at all
-    /// frequencies and angles.
+    /// A room over `corners_m` (counter-clockwise), `height_m` high. Each reflection multiplies the pressure by
+    /// `reflection`, at all frequencies and angles.
     ///
     /// # Errors
-    /// [`Error::Invalid`] when the corners are no convex polygon in counter-clockwise order, or a number is out of range.
+    /// [`Error::Invalid`] when the corners are no convex polygon in counter-clockwise order, or a number is out of
+    /// range.
     pub fn new(corners_m: &[[f64; 2]], height_m: f64, reflection: f64) -> Result<Self, Error> {
         let refuse = |field: &str, problem: String, remedy: &str| {
             Err(Error::invalid("room", field, problem, remedy))
@@ -118,7 +119,7 @@ impl Room {
             .fold(point_m, |image, &face| self.faces[face].mirror(image))
     }
 
-    /// Share of a path that is heard: 0 or 1, and in between within `fade_m` of a border of visibility.
+    /// Visibility of a path: 0 or 1, and in between within `fade_m` of a border of visibility.
     pub fn visibility(
         &self,
         sequence: &[usize],

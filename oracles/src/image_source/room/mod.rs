@@ -1,7 +1,7 @@
 //! A convex room in three dimensions: its faces, and which sequences of reflections join two points.
 //!
-//! In a convex room nothing hides anything, so a sequence of faces is heard exactly when every reflection point lies on its face, that is,
-//! inside all the other ones.
+//! In a convex room nothing hides anything, so a sequence of faces gives an echo exactly when every reflection point
+//! lies on its face, that is, inside all the other ones.
 
 mod echoes;
 mod faces;

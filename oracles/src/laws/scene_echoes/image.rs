@@ -20,7 +20,7 @@ const FIT_HZ: [f64; 3] = [5e3, 11e3, 125.0];
 /// One echo, field and image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Echo {
-    /// What the ray met.
+    /// Kind of the ray.
     pub kind: RayKind,
     /// Numbers of the walls that it met.
     pub walls: Vec<usize>,
@@ -40,12 +40,13 @@ pub struct Echo {
     pub late_on_c_s: f64,
 }
 
-/// What the loudspeaker sends, of peak 1.
+/// The loudspeaker's signal, of peak 1.
 pub fn burst(conditions: &Conditions) -> Burst {
     conditions.burst(8e3, 2e3)
 }
 
-/// How many orders of its walls a ray stands for: a double echo between two walls is heard both ways round, a corner's only once.
+/// How many orders of its walls a ray stands for: a double echo between two walls arrives both ways round, a corner's
+/// only once.
 fn orders(ray: &RayPath) -> f64 {
     if ray.kind == RayKind::Double {
         2.0
@@ -88,7 +89,8 @@ fn fit_hz(conditions: &Conditions) -> impl Iterator<Item = f64> {
 /// A frequency in hertz, and what was found and expected there.
 type Pair = (f64, Complex<f64>, Complex<f64>);
 
-/// Weighted phase of `found` over `expected` as level ratio and delay in s: the delay of the phase, or with `envelope` that of its slope.
+/// Weighted phase of `found` over `expected` as level ratio and delay in s: the delay of the phase, or with `envelope`
+/// that of its slope.
 fn compare(pairs: &[Pair], envelope: bool) -> [f64; 2] {
     let found: f64 = pairs.iter().map(|pair| pair.1.norm_sqr()).sum();
     let expected: f64 = pairs.iter().map(|pair| pair.2.norm_sqr()).sum();

@@ -1,20 +1,24 @@
 //! Echoes of the paper-size scene beside its image sources, where no edge diffracts.
 //!
-//! Layout: `scenes/four_walls.json` with its own cells, scheme and spreading, at each place in another medium and at another Courant number; the robot at rest at places of its area, those of a raster where most echoes
-//! can be compared; one burst of 8 kHz with a standard deviation of 2 kHz; walls as cut cells, whatever the scene says. The same without
-//! walls is subtracted: what is left are echoes. Once with all walls, once with only the pair that runs along the grid.
-//! Formula: every visible ray of first and second order ([`crate::rays`]) is a line source at its image, `(omega rho Q / 4) H0^(2)(k r)` in frequency,
-//! which each leg delays by the scheme's own dispersion relation along its direction (o13 is faster than c by up to 0.4 %, tens of
-//! microseconds on eight metres: shown as the delay of the envelope on c, and taken out of the comparison).
-//! Only echoes into which neither an edge diffracts nor another echo falls are compared: 0.3 m of path apart from all other rays up to fourth order and
-//! from all ways by one end of a wall with up to three reflections before and behind it, both also when they miss a wall or the way past one by
-//! up to 0.4 m (`alone.rs`). Level and delay are fitted over 5 to 11 kHz, where the burst is above a third of its peak, the delay by the phase.
-//! Bias: dispersion bends the wave fronts, so that their curvature and with it the level changes by direction, 0.1 dB at 10 kHz; the window's
-//! flanks; what two ends of walls scatter one after the other.
-//! What edges do: a wall's end whose own echo comes 4 cm of path after a corner's makes that 0.9 us late, one 2 cm beside the second reflection of a
-//! double echo takes 5.5 dB; with those walls prolonged both echoes are within tolerance.
-//! Tolerance: 0.15 dB and 0.5 us; half a cell of error in a wall's place would be 15 us. Walls made of whole cells fail: slanted ones of slope 1 to 2
-//! give single echoes 4 to 7 us late.
+//! Layout: `scenes/four_walls.json` with its own cells, scheme and spreading, at each place in another medium and at
+//! another Courant number; the robot at rest at places of its area, those of a raster where most echoes can be
+//! compared; one burst of 8 kHz with a standard deviation of 2 kHz; walls as cut cells, whatever the scene says. The
+//! same without walls is subtracted: the rest are echoes. Once with all walls, once with only the pair that runs along
+//! the grid.
+//! Formula: every visible ray of first and second order ([`crate::rays`]) is a line source at its image,
+//! `(omega rho Q / 4) H0^(2)(k r)` in frequency, which each leg delays by the scheme's own dispersion relation along
+//! its direction (o13 is faster than c by up to 0.4 %, tens of microseconds on eight metres: shown as the delay of the
+//! envelope on c, and taken out of the comparison). Only echoes into which neither an edge diffracts nor another echo
+//! falls are compared: 0.3 m of path apart from all other rays up to fourth order and from all ways by one end of a
+//! wall with up to three reflections before and behind it, both also when they miss a wall or the way past one by up to
+//! 0.4 m (`alone.rs`). Level and delay are fitted over 5 to 11 kHz, where the burst is above a third of its peak, the
+//! delay by the phase.
+//! Bias: dispersion bends the wave fronts, so that their curvature and with it the level changes by direction, 0.1 dB
+//! at 10 kHz; the window's flanks; what two ends of walls scatter one after the other.
+//! Edges: a wall's end whose own echo comes 4 cm of path after a corner's makes that 0.9 us late, one 2 cm beside the
+//! second reflection of a double echo takes 5.5 dB; with those walls prolonged both echoes are within tolerance.
+//! Tolerance: 0.15 dB and 0.5 us; half a cell of error in a wall's place would be 15 us. Walls made of whole cells
+//! fail: slanted ones of slope 1 to 2 give single echoes 4 to 7 us late.
 
 mod alone;
 mod image;
@@ -56,7 +60,7 @@ const SCENE: &str = r#"{
 /// Duration on the papers' grid.
 const DURATION_S: f64 = 0.031;
 
-/// A place of the robot: what is heard there, and the echoes that can be compared.
+/// A place of the robot: the signal there, and the echoes that can be compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
     /// Where, in metres.
@@ -73,7 +77,7 @@ pub struct Place {
     pub echoes: Vec<Echo>,
 }
 
-/// Hears the echoes at a place of the scene.
+/// Measures the echoes at a place of the scene.
 ///
 /// # Errors
 /// When the field becomes non-finite.
@@ -118,7 +122,8 @@ fn place(scene: &Scene, whole: bool, place_m: [f64; 2]) -> Result<Place, Error> 
     })
 }
 
-/// Hears the echoes at places of the robot's area: with only those walls that run along the grid, and in the whole scene.
+/// Measures the echoes at places of the robot's area: with only those walls that run along the grid, and in the whole
+/// scene.
 ///
 /// # Errors
 /// When the field becomes non-finite.
@@ -167,8 +172,8 @@ fn candidates(walls: &[Wall]) -> Vec<Candidate> {
         .collect()
 }
 
-/// Places at least half a metre apart, each the one with the most echoes that were compared least: an echo of walls that `compared` holds
-/// n times counts for `4^-n`.
+/// Places at least half a metre apart, each the one with the most echoes that were compared least: an echo of walls
+/// that `compared` holds n times counts for `4^-n`.
 fn choose(
     mut candidates: Vec<Candidate>,
     count: usize,

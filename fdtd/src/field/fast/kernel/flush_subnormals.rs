@@ -7,7 +7,7 @@ use super::super::plan::Plan;
 use super::shared::{Levels, Shared};
 use super::vector::Vector;
 
-/// What a flushing step does to the memory of the layers in some rows before it is used.
+/// Flushes the memory of the layers in some rows, before it is used.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
@@ -17,7 +17,8 @@ pub(super) unsafe fn memory<V: Vector>(plan: &Plan, shared: Shared, rows: Range<
     // SAFETY: parts of the buffers, and of rows of this thread.
     unsafe { part::<V>(shared.layer_x.wrapping_add(rows.start * x), rows.len() * x) };
     let (cells, ny) = (plan.setup.layer.cells(), plan.setup.ny);
-    // On the low side a row reads the memory of the next row's face too, which is as old as its own; a second time changes nothing.
+    // On the low side a row reads the memory of the next row's face too, which is as old as its own; a second time
+    // changes nothing.
     for iy in rows.start..(rows.end + 1).min(ny) {
         if let Some(row) = layer_row(cells, ny, iy)
             && (iy < rows.end || !plan.memory_y.is_high(row))
@@ -29,7 +30,7 @@ pub(super) unsafe fn memory<V: Vector>(plan: &Plan, shared: Shared, rows: Range<
     }
 }
 
-/// What a flushing step does to the cells of some rows after their plain step.
+/// Flushes the cells of some rows after their plain step.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
@@ -41,8 +42,8 @@ pub(super) unsafe fn cells<V: Vector>(plan: &Plan, levels: Levels, rows: Range<u
     unsafe { part::<V>(levels.next.add(first), rows.len() * stride) };
 }
 
-/// Sets what is small among `count` numbers to zero, vector by vector: left to itself the compiler stores those numbers of a vector that
-/// change, which costs some processors (Zen 3, without AVX-512) as much as one to three steps.
+/// Sets what is small among `count` numbers to zero, vector by vector: left to itself the compiler stores those numbers
+/// of a vector that change, which costs some processors (Zen 3, without AVX-512) as much as one to three steps.
 ///
 /// # Safety
 /// They must be writable.
@@ -58,7 +59,7 @@ unsafe fn part<V: Vector>(at: *mut f32, count: usize) {
     }
 }
 
-/// What a flushing step does to the cells of some rows that walls have changed, and to the memory of their surfaces.
+/// Flushes the cells of some rows that walls have changed, and the memory of their surfaces.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.

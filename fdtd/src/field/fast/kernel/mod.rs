@@ -2,16 +2,18 @@
 //!
 //! * here: who runs which rows of which step; `walls`: what walls change; `transducers`: source and receiver;
 //! * `sweep`, `slf`, `m13`, `d25`: the plain stencils;
-//! * `layers`: the strips beside the centre with the absorbing layers along x; `along_y`: those along y; `near`: what they see of a cell's neighbourhood;
+//! * `layers`: the strips beside the centre with the absorbing layers along x; `along_y`: those along y; `near`: what
+//!   they see of a cell's neighbourhood;
 //! * `flush_subnormals`: small numbers set to zero;
 //! * `halo`: the cells that rows hold twice;
-//! * `shared`: buffers, levels and weights; `compiled`: functions for an instruction set; `vector`: eight or sixteen numbers of one.
+//! * `shared`: buffers, levels and weights; `compiled`: functions for an instruction set; `vector`: eight or sixteen
+//!   numbers of one.
 //!
-//! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same
-//! time, which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said
-//! in `tiles`: which rows a tile reads and writes, and for which of another tile's it waits, so that no two tiles touch the same
-//! row at the same time in conflicting ways. All pointers stay inside the buffers because the layout gives every row a halo of
-//! vectors and the buffers a rim of rows as wide as the stencil reaches.
+//! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same time,
+//! which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said in
+//! `tiles`: which rows a tile reads and writes, and for which of another tile's it waits, so that no two tiles touch
+//! the same row at the same time in conflicting ways. All pointers stay inside the buffers because the layout gives
+//! every row a halo of vectors and the buffers a rim of rows as wide as the stencil reaches.
 #![expect(
     unsafe_code,
     reason = "disjoint rows of shared buffers; see the module's text"
@@ -96,8 +98,8 @@ pub(super) fn flat_mut(lines: &mut [Line]) -> &mut [f32] {
 /// Runs one tile of a time block.
 ///
 /// # Safety
-/// `shared` must hold the buffers of `plan`, and the rows of `tile` be touched by no other thread but those that run the other tiles
-/// of the block, with these fronts.
+/// `shared` must hold the buffers of `plan`, and the rows of `tile` be touched by no other thread but those that run
+/// the other tiles of the block, with these fronts.
 pub(super) unsafe fn run_tile(
     plan: &Plan,
     shared: Shared,

@@ -17,7 +17,8 @@ pub(in super::super) struct Shared {
     pub(in super::super) surfaces: *mut f32,
 }
 
-/// The stencil's weights for whole vectors and for the narrow ones of the strips, worked out once for all rows of a tile.
+/// The stencil's weights for whole vectors and for the narrow ones of the strips, worked out once for all rows of a
+/// tile.
 pub(super) struct Weights<V: Vector> {
     pub(super) wide: Splat<V>,
     pub(super) narrow: Splat<V::Narrow>,

@@ -1,4 +1,4 @@
-//! What a scheme's sweep is to the wavefront.
+//! The interface of a scheme's sweep to the wavefront.
 
 use super::super::super::stencil::Splat;
 use super::near::Near;
@@ -11,8 +11,8 @@ pub(super) trait Sweep<V: Vector> {
     /// Rows of the centre. `now` and `next` point to the first vector of the first row's part, `vectors` long.
     ///
     /// # Safety
-    /// As many rows and vectors beyond these as the stencil reaches, of `now`, and rows `0..rows` of `next` with as many
-    /// vectors to both sides must be inside the buffers and free for this thread.
+    /// As many rows and vectors beyond these as the stencil reaches, of `now`, and rows `0..rows` of `next` with as
+    /// many vectors to both sides must be inside the buffers and free for this thread.
     unsafe fn rows(
         weights: &Splat<V>,
         now: *const f32,
@@ -28,7 +28,8 @@ pub(super) trait Sweep<V: Vector> {
     /// As many rows and cells beyond these as the stencil reaches must be readable.
     unsafe fn cells<N: Near<V>>(weights: &Splat<V>, near: &N, past: V) -> V;
 
-    /// What the absorbing layer along x takes the second difference of at some cells; turned, that along y.
+    /// Quantity whose second difference the absorbing layer along x takes, at some cells; turned, that of the layer
+    /// along y.
     ///
     /// # Safety
     /// As many rows and cells beyond these as the stencil reaches but one must be readable.

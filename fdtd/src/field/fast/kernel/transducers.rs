@@ -1,5 +1,5 @@
-//! Source and receiver in one row. Functions of their own: a step calls them for few of its rows, and the compiler would otherwise spread their checks over
-//! the sweeps' function, which has no register to spare.
+//! Source and receiver in one row. Functions of their own: a step calls them for few of its rows, and the compiler
+//! would otherwise spread their checks over the sweeps' function, which has no register to spare.
 
 use super::super::super::step::Injection;
 use super::super::plan::Plan;
@@ -19,7 +19,7 @@ pub(super) fn send(plan: &Plan, row: &mut [f32], iy: usize, injection: &Injectio
     }
 }
 
-/// What the receiver takes from one of the stencil's rows, weighted along x.
+/// The receiver's sum over one of the stencil's rows, weighted along x.
 #[inline(never)]
 pub(super) fn hear(plan: &Plan, row: &[f32], s: &Stencil) -> f64 {
     let taps = (s.x0..).zip(&s.wx);

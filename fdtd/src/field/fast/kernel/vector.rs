@@ -7,7 +7,7 @@ use crate::number::Number;
 
 /// A few numbers in registers.
 pub(super) trait Vector: Number {
-    /// How many.
+    /// Numbers in it.
     const LANES: usize;
     /// Whether registers are many: two rows of the 13-point stencil fit into them.
     const MANY: bool;
@@ -28,7 +28,7 @@ pub(super) trait Vector: Number {
     fn moved_up(self, first: f32) -> Self;
     /// Every number moved one place down, `last` after them.
     fn moved_down(self, last: f32) -> Self;
-    /// Asks for the cache line at `at`, wherever that is, before it is used.
+    /// Prefetches the cache line at `at`, which may be any address.
     #[inline(always)]
     fn fetch(_at: *const f32) {}
 }

@@ -28,8 +28,8 @@ const WIDTH: usize = 2 * HALF as usize + 1;
 const ROUNDS: usize = 40;
 
 /// Correction of the mass in cell widths at two angles between normal and axis in degrees, interpolated between them
-/// and constant beyond. Chosen for small errors of the reflection factor at 10 kHz
-/// (law `tilted_impedance`).
+/// and constant beyond. Chosen for small errors of the reflection factor at 10 kHz (law
+/// `tilted_impedance`).
 type Changes = [(f64, f64); 2];
 
 /// Correction before boxes of cells.

@@ -12,8 +12,8 @@
 //! The factor c is for the velocity, a mean of two half steps; the root is for a flow that travels on the grid with
 //! another velocity than in air. A penalty that grows with distance ([`Fit`]) keeps the weights small and near the
 //! wall, so that the mass of air before the surface depends little on frequency and angle ([`super::added_mass`]).
-//! Its parameters minimise the error of the reflection factor over angle and impedance
-//! (law `tilted_impedance`).
+//! Its parameters minimise the error of the reflection factor over angle and impedance (law
+//! `tilted_impedance`).
 
 use super::band::{BAND_EDGE, COSINES};
 use super::linear::solve;

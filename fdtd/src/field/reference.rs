@@ -57,8 +57,7 @@ impl<N: Real> PlainField<N> {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
         {
-            // Without the hint the closure stays a function of its own, compiled without fused multiply-adds: twenty
-            // times slower.
+            // Without the hint the closure stays a function of its own, compiled without fused multiply-adds.
             super::fast::with_avx2(
                 #[inline(always)]
                 || self.rows(flush),

@@ -87,8 +87,7 @@ impl DrivePath {
         }
     }
 
-    /// Pose and speeds at time `t_s`, which is clamped to the drive. Costs about 0.1 us; the position is exact to
-    /// better than 1 um.
+    /// Pose and speeds at time `t_s`, which is clamped to the drive; the position is exact to better than 1 um.
     pub fn state_at(&self, t_s: f64) -> MotionState {
         let t_s = t_s.clamp(0.0, self.duration_s());
         match &self.course {

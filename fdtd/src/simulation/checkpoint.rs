@@ -2,8 +2,8 @@
 //!
 //! A line of text that identifies the run, then the lengths of six arrays as little-endian `u64`, then the arrays as
 //! little-endian `f32`: the received signal (after every step, warm-ups included, so that its length determines the
-//! segment), pressure, previous pressure, layer memory along x and y, what
-//! walls that are not rigid remember; then a digest of all.
+//! segment), pressure, previous pressure, layer memory along x and y, memory of walls that are not rigid; then a digest
+//! of all.
 
 use std::hash::Hasher;
 use std::io::Write;
@@ -29,13 +29,13 @@ fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
     hasher.finish()
 }
 
-fn save(file: &Path, fingerprint: &str, heard: &[f32], state: &FieldState) -> Result<(), Error> {
+fn save(file: &Path, fingerprint: &str, received: &[f32], state: &FieldState) -> Result<(), Error> {
     let temporary = file.with_extension("tmp");
     let write = || -> std::io::Result<()> {
         let mut out = std::io::BufWriter::new(std::fs::File::create(&temporary)?);
         writeln!(out, "{MAGIC} {fingerprint}")?;
         let arrays = [
-            heard,
+            received,
             &state.pressure,
             &state.previous,
             &state.layer_x,
@@ -118,9 +118,9 @@ fn load(file: &Path, fingerprint: &str) -> Result<(Vec<f32>, FieldState), Error>
     if content_digest(&arrays.each_ref().map(Vec::as_slice)) != expected {
         return Err(wrong("is damaged"));
     }
-    let [heard, pressure, previous, layer_x, layer_y, surfaces] = arrays;
+    let [received, pressure, previous, layer_x, layer_y, surfaces] = arrays;
     Ok((
-        heard,
+        received,
         FieldState {
             pressure,
             previous,
@@ -137,7 +137,12 @@ impl Simulation {
     /// # Errors
     /// [`Error::Io`] when it cannot be written.
     pub fn save_checkpoint(&self, file: &Path) -> Result<(), Error> {
-        save(file, &self.fingerprint(), &self.heard, &self.field.state())
+        save(
+            file,
+            &self.fingerprint(),
+            &self.received,
+            &self.field.state(),
+        )
     }
 
     /// Continues from a checkpoint: the run then gives the same bytes as one without an interruption.
@@ -145,8 +150,8 @@ impl Simulation {
     /// # Errors
     /// [`Error::Io`] when it cannot be read, [`Error::Checkpoint`] when it is damaged or belongs to other inputs.
     pub fn load_checkpoint(&mut self, file: &Path) -> Result<(), Error> {
-        let (heard, state) = load(file, &self.fingerprint())?;
-        self.heard = heard;
+        let (received, state) = load(file, &self.fingerprint())?;
+        self.received = received;
         // The state is that after the last step, not yet the silence before the next segment.
         self.enter(self.plan.index_at(self.step().saturating_sub(1)));
         self.field.set_state(&state);

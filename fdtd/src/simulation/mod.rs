@@ -23,7 +23,7 @@ use crate::waveform::PeriodicWaveform;
 use flow::Rhythm;
 use segment_planner::cheapest_plan;
 use segments::SegmentPlan;
-use watch::{Sight, Watch};
+use watch::{FieldView, Watch};
 
 /// Steps of a drive up to which its small numbers are set to zero ([`crate::field::flushes_subnormals`]): 0.8 s on the
 /// papers' grid. In a longer one the start, the only time at which there are subnormal numbers, is less than a
@@ -42,7 +42,7 @@ pub struct Simulation {
     field: Box<dyn Field>,
     pair: MovingPair,
     /// Silence at time 0, then microphone pressure after each step of each segment, warm-ups included.
-    heard: Vec<f32>,
+    received: Vec<f32>,
     /// Number of samples of the signal, at `decimator`'s rate.
     samples: usize,
     decimator: Decimator,
@@ -56,7 +56,7 @@ pub struct Simulation {
 }
 
 /// Duration and sampling of the signal of a run.
-struct Listening {
+struct SignalSpec {
     duration_s: f64,
     sample_rate_hz: f64,
     band_hz: f64,
@@ -100,12 +100,12 @@ impl Simulation {
             }),
             robot.loudspeaker_offset_m == robot.microphone_offset_m,
         );
-        let listening = Listening {
+        let signal = SignalSpec {
             duration_s,
             sample_rate_hz: scene.sample_rate_hz,
             band_hz: scene.waveform.band_hz[1],
         };
-        let simulation = Self::build(domain, pair, &listening, options, |domain, steps| {
+        let simulation = Self::build(domain, pair, &signal, options, |domain, steps| {
             match (options.whole_domain, options.free_field) {
                 (true, _) => SegmentPlan::whole(domain, steps),
                 (false, true) => cheapest_plan(domain, steps, &|t| points(t).map(shift)),
@@ -133,12 +133,12 @@ impl Simulation {
         band_hz: f64,
         options: &SimulationOptions,
     ) -> Result<Self, Error> {
-        let listening = Listening {
+        let signal = SignalSpec {
             duration_s,
             sample_rate_hz,
             band_hz,
         };
-        Self::build(domain, pair, &listening, options, SegmentPlan::whole)
+        Self::build(domain, pair, &signal, options, SegmentPlan::whole)
     }
 
     /// Takes flushing steps ([`crate::field::flushes_subnormals`]) from now on, however long the drive is: for
@@ -165,15 +165,15 @@ impl Simulation {
     fn build(
         domain: Domain,
         mut pair: MovingPair,
-        listening: &Listening,
+        signal: &SignalSpec,
         options: &SimulationOptions,
         plan: impl FnOnce(&Domain, u64) -> SegmentPlan,
     ) -> Result<Self, Error> {
-        let Listening {
+        let SignalSpec {
             duration_s,
             sample_rate_hz,
             band_hz,
-        } = *listening;
+        } = *signal;
         let dt_s = domain.grid.dt_s;
         let decimator = Decimator::new(1.0 / dt_s, sample_rate_hz, band_hz)?;
         // The decimation filter looks a little beyond the last sample.
@@ -192,7 +192,7 @@ impl Simulation {
             segment: 0,
             field,
             pair,
-            heard: vec![0.0],
+            received: vec![0.0],
             samples: (duration_s * sample_rate_hz + 1e-6).floor() as usize,
             decimator,
             threads,
@@ -238,7 +238,7 @@ impl Simulation {
             let end = self.plan.segments[segment].to.min(first + chunk).min(look);
             let steps: Vec<StepForcing> =
                 (first..end).map(|step| self.pair.forcing(step)).collect();
-            self.field.advance(&steps, &mut self.heard);
+            self.field.advance(&steps, &mut self.received);
             self.watch.follow(&steps);
             self.check_samples(first)?;
             if due || self.step() == steps_total {
@@ -264,7 +264,7 @@ impl Simulation {
     /// Checks the field at once where samples of it, or the microphone, exceed the source's bounds.
     fn check_samples(&mut self, first: u64) -> Result<(), Error> {
         let last = self.drive_step();
-        let heard = &self.heard[self.heard.len() - (last - first) as usize..];
+        let received = &self.received[self.received.len() - (last - first) as usize..];
         let sampled = (0..4).all(|k| {
             self.field
                 .row_is_finite((last / CHUNK) as usize * 4 + k * 251)
@@ -272,7 +272,7 @@ impl Simulation {
         let window = self.plan.segments[self.segment].window;
         let most = self.watch.most(last, window.nx * window.ny);
         if sampled
-            && heard
+            && received
                 .iter()
                 .all(|p| p.is_finite() && f64::from(p.abs()) <= most)
         {
@@ -283,19 +283,19 @@ impl Simulation {
 
     /// Checks the field against the source's bounds; `before` is the field a step ago.
     fn look_at_field(&mut self, before: Option<&FieldState>) -> Result<(), Error> {
-        let sight = Sight {
+        let view = FieldView {
             domain: &self.domain,
             window: self.plan.segments[self.segment].window,
             origin_m: self.origin_m,
             steps: self.drive_step(),
         };
         let step = self.step();
-        self.watch.look(step, before, &self.field.state(), &sight)
+        self.watch.look(step, before, &self.field.state(), &view)
     }
 
     /// Steps done, warm-ups included.
     pub fn step(&self) -> u64 {
-        self.heard.len() as u64 - 1
+        self.received.len() as u64 - 1
     }
 
     /// Steps of the whole run, warm-ups included.
@@ -359,7 +359,7 @@ impl Simulation {
 
     /// Microphone pressure in Pa at the field's rate so far; entry `n` is at time `n dt`.
     pub fn received(&self) -> Vec<f32> {
-        self.plan.join(&self.heard)
+        self.plan.join(&self.received)
     }
 
     /// Microphone signal in Pa, anti-aliased and at the sampling rate; sample `k` is at time `k / f_s`. Complete once

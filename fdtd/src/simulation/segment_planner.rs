@@ -183,7 +183,7 @@ mod tests {
         let ones = vec![1.0; plan.steps() as usize + 1];
         assert_eq!(plan.join(&ones), vec![1.0; 120_001]);
         let second = plan.segments[1];
-        for (heard, expected) in [
+        for (received, expected) in [
             (0, 0),
             (second.before, second.from),
             (second.before + 1, second.from),
@@ -193,7 +193,7 @@ mod tests {
                 second.from + 7,
             ),
         ] {
-            let joined = plan.join(&ones[..=heard as usize]);
+            let joined = plan.join(&ones[..=received as usize]);
             assert_eq!(joined.len() as u64, expected + 1);
         }
     }

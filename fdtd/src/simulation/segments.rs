@@ -176,23 +176,23 @@ impl SegmentPlan {
     /// The drive's signal from the samples of all segments one after the other: entry `n` of either after `n` steps,
     /// the first
     /// silent.
-    pub(super) fn join(&self, heard: &[f32]) -> Vec<f32> {
-        let mut joined = heard[..1].to_vec();
+    pub(super) fn join(&self, received: &[f32]) -> Vec<f32> {
+        let mut joined = received[..1].to_vec();
         for segment in &self.segments {
-            let end = heard
+            let end = received
                 .len()
                 .min((1 + segment.before + segment.steps()) as usize);
             let first = 1 + segment.before as usize;
             let own = first + (segment.from - segment.start) as usize;
             if end > own - segment.fade as usize {
-                let fading = &heard[own - segment.fade as usize..end.min(own)];
+                let fading = &received[own - segment.fade as usize..end.min(own)];
                 let at = joined.len() - segment.fade as usize;
                 for (k, (before, now)) in joined[at..].iter_mut().zip(fading).enumerate() {
                     let share = (k as f32 + 0.5) / segment.fade as f32;
                     *before += share * (now - *before);
                 }
             }
-            joined.extend_from_slice(&heard[own.min(end)..end]);
+            joined.extend_from_slice(&received[own.min(end)..end]);
         }
         joined
     }

@@ -37,7 +37,7 @@ pub(super) struct Watch {
 }
 
 /// Context of a check of the field.
-pub(super) struct Sight<'a> {
+pub(super) struct FieldView<'a> {
     pub(super) domain: &'a Domain,
     pub(super) window: Window,
     pub(super) origin_m: [f64; 2],
@@ -87,15 +87,15 @@ impl Watch {
         step: u64,
         before: Option<&FieldState>,
         now: &FieldState,
-        sight: &Sight<'_>,
+        view: &FieldView<'_>,
     ) -> Result<(), Error> {
-        let cells = sight.window.nx * sight.window.ny;
-        let most = self.most(sight.steps, cells);
+        let cells = view.window.nx * view.window.ny;
+        let most = self.most(view.steps, cells);
         let (cell, peak) = peak(&now.pressure);
         if !peak.is_finite() || f64::from(peak) > most {
             let cause =
                 format!("{peak:e} Pa, where the source can have made {most:.3e} Pa at most");
-            return Err(sight.unstable(cell, cause));
+            return Err(view.unstable(cell, cause));
         }
         if let Some(before) = before {
             let energy = energy(before, &now.pressure);
@@ -106,7 +106,7 @@ impl Watch {
                     "the energy has grown {:.3e} times while the source was silent",
                     energy / first
                 );
-                return Err(sight.unstable(cell, cause));
+                return Err(view.unstable(cell, cause));
             }
         }
         self.next = step + STRIDE;
@@ -115,7 +115,7 @@ impl Watch {
     }
 }
 
-impl Sight<'_> {
+impl FieldView<'_> {
     fn unstable(&self, cell: usize, cause: String) -> Error {
         let (Window { first, nx, ny }, layer) = (self.window, self.domain.layer_cells);
         let at = [cell % nx, cell / nx];
@@ -207,7 +207,7 @@ mod tests {
 
     /// Runs a simulation whose step has a negative stiffness of so many quanta, so that its constant mode
     /// grows, from a little constant pressure.
-    fn sick(mut simulation: Simulation, quanta: f32) -> Error {
+    fn unstable(mut simulation: Simulation, quanta: f32) -> Error {
         let domain = simulation.domain();
         let mut setup = FieldSetup::new(
             &domain.grid,
@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn a_pressure_beyond_the_source_is_told_with_time_and_place() {
         let simulation = simulation(343.2, f64::INFINITY);
-        let sight = Sight {
+        let view = FieldView {
             domain: simulation.domain(),
             window: Window::whole(simulation.domain()),
             origin_m: [1.0, 2.0],
@@ -240,13 +240,13 @@ mod tests {
         let mut state = simulation.field.state();
         state.pressure[40 * SIDE + 3] = 300.0;
         assert!(
-            watch.look(1, None, &state, &sight).is_ok(),
+            watch.look(1, None, &state, &view).is_ok(),
             "an echo may be so loud"
         );
         for pressure in [-1e6, f32::INFINITY, f32::NAN] {
             state.pressure[40 * SIDE + 3] = pressure;
             let error = watch
-                .look(2, None, &state, &sight)
+                .look(2, None, &state, &view)
                 .expect_err("far too much");
             let Error::Unstable {
                 time_s,
@@ -266,7 +266,7 @@ mod tests {
     #[test]
     fn a_growing_field_ends_the_run_long_before_it_overflows() {
         for (c_mps, quanta) in [(333.0, 500.0), (343.2, 5000.0), (350.0, 2000.0)] {
-            let error = sick(simulation(c_mps, f64::INFINITY), quanta);
+            let error = unstable(simulation(c_mps, f64::INFINITY), quanta);
             let text = error.to_string();
             assert!(text.contains("the source can have made"), "{text}");
             let Error::Unstable { cause, .. } = error else {
@@ -281,7 +281,7 @@ mod tests {
 
     #[test]
     fn energy_that_grows_in_silence_ends_the_run_though_it_is_small() {
-        let error = sick(simulation(338.0, 0.0), 12.0);
+        let error = unstable(simulation(338.0, 0.0), 12.0);
         assert!(error.to_string().contains("source was silent"), "{error}");
     }
 

@@ -39,8 +39,7 @@ use super::step::{Field, FieldState, StepForcing, combine_rows};
 use crate::spread::TAPS;
 
 /// Steps per time block, times the stencil's radius: the rows in flight of all steps (about `2 BLOCK` rows, 350 KiB at
-/// 1000 columns) stay in the second-level cache. From 16 to 64 the speed is the same on one thread within a few per
-/// cent.
+/// 1000 columns) stay in the second-level cache.
 const BLOCK: usize = 32;
 
 /// Two time levels in lane-transposed rows.

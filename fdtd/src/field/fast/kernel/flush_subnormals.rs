@@ -43,7 +43,7 @@ pub(super) unsafe fn cells<V: Vector>(plan: &Plan, levels: Levels, rows: Range<u
 }
 
 /// Sets what is small among `count` numbers to zero, vector by vector: left to itself the compiler stores those numbers
-/// of a vector that change, which costs some processors (Zen 3, without AVX-512) as much as one to three steps.
+/// of a vector that change, which is slow on processors without AVX-512.
 ///
 /// # Safety
 /// They must be writable.

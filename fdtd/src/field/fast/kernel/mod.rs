@@ -289,7 +289,7 @@ unsafe fn advance_rows<V: SweepVector, S: Sweep<V> + Sweep<V::Narrow>>(
             halo::refresh::<V>(layout, row(iy).as_mut_ptr());
         }
         for iy in within(&forcing.receiver) {
-            let sum = transducers::hear(plan, row(iy), &forcing.receiver);
+            let sum = transducers::receive(plan, row(iy), &forcing.receiver);
             sums[iy - forcing.receiver.y0].store(sum.to_bits(), Ordering::Relaxed);
         }
     }

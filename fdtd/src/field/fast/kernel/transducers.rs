@@ -21,7 +21,7 @@ pub(super) fn send(plan: &Plan, row: &mut [f32], iy: usize, injection: &Injectio
 
 /// The receiver's sum over one of the stencil's rows, weighted along x.
 #[inline(never)]
-pub(super) fn hear(plan: &Plan, row: &[f32], s: &Stencil) -> f64 {
+pub(super) fn receive(plan: &Plan, row: &[f32], s: &Stencil) -> f64 {
     let taps = (s.x0..).zip(&s.wx);
     taps.map(|(ix, &wx)| f64::from(wx) * f64::from(row[plan.layout.offset(ix)]))
         .sum()

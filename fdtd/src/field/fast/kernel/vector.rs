@@ -1,5 +1,5 @@
-//! Vectors of numbers: what the sweeps need of an instruction set.
-//! Loads and stores go through raw pointers; every function states what its caller promises.
+//! Vectors of numbers: the operations that the sweeps need of an instruction set. Loads and stores go through raw
+//! pointers; every function states what its caller promises.
 
 use super::super::super::step::{FLUSH_BELOW_PA, flush_subnormals};
 use super::super::layout::{NARROW, WIDE};

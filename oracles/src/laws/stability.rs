@@ -76,8 +76,8 @@ impl Room {
         }
     }
 
-    /// The walls, in cells from the room's lower left corner; `turn` varies place, slant and
-    /// impedance, `gap` is what a scene must leave between walls and layers.
+    /// The walls, in cells from the room's lower left corner; `turn` varies place, slant and impedance,
+    /// `gap` is the distance that a scene must leave between walls and layers.
     fn walls(self, turn: usize, gap: f64, rho_c: f64) -> Vec<Wall> {
         let shift = (turn % 7) as f64 / 7.0;
         let wall = |points: &[[f64; 2]]| Wall {

@@ -13,8 +13,8 @@
 //! mirrored part is the one that does not turn with the grating: when the wall moves by a part of a cell, the grating's
 //! orders turn by so many parts of a circle, and the mean over six places leaves them out up to the fifth. So walls
 //! whose cells repeat after many cells only ([`SLANTS`]) are held to the mean, and with wider limits in each single
-//! place, where the grating's part is in. Along walls of a simple slope ([`SLOPES`]) all pieces lie in one of few
-//! places, each place is a wall of its own, and the largest error of all is held.
+//! place, where the grating's part is in. Along walls of a simple slope ([`SLOPES`]) all surface elements lie in one of
+//! few places, each place is a wall of its own, and the largest error of all is held.
 //! Bias: what the ends diffract comes 2 ms later, when the burst is over. The rigid wall's own error is in both and not
 //! counted. Its echo should be the same in all places, and is held to that along walls of a simple slope, where it
 //! would change by 0.13 (slope 1 to 1, met at 45 degrees) without what `walls/slant.rs` does.

@@ -7,7 +7,7 @@ pub mod absorption;
 mod density;
 mod sound_speed;
 
-use crate::Error;
+use crate::error::Error;
 use crate::grid::Medium;
 
 /// Pressure of the standard atmosphere in pascals.

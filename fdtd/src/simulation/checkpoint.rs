@@ -14,7 +14,7 @@ use fnv::FnvHasher;
 use super::Simulation;
 use super::domain::Domain;
 use super::segments::Window;
-use crate::Error;
+use crate::error::Error;
 use crate::field::FieldState;
 use crate::walls::Opening;
 

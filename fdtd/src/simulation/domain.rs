@@ -4,7 +4,7 @@
 //! costs nothing.
 
 use super::options::SimulationOptions;
-use crate::Error;
+use crate::error::Error;
 use crate::grid::{Grid, Medium};
 use crate::scene::Scene;
 use crate::scheme::Scheme;

@@ -14,8 +14,8 @@ pub use flow::{Flow, Outcome, Progress};
 pub use moving_pair::{MovingPair, SOURCE_STRENGTH_M2PS};
 pub use options::SimulationOptions;
 
-use crate::Error;
 use crate::decimate::Decimator;
+use crate::error::Error;
 use crate::field::{FastField, Field, FieldState, ReferenceField, StepForcing};
 use crate::scene::Scene;
 use crate::waveform::PeriodicWaveform;

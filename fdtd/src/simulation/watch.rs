@@ -10,7 +10,7 @@
 
 use super::domain::Domain;
 use super::segments::Window;
-use crate::Error;
+use crate::error::Error;
 use crate::field::{FieldState, StepForcing};
 
 /// Steps between two looks: a tenth of a second on the papers' grid, in which a mode that grows by 75 1/s does so by 65

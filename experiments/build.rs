@@ -1,6 +1,9 @@
 //! Hashes the localizer's source, so that cached trials of other code are not taken for those of this code.
 
+use std::hash::Hasher;
 use std::path::{Path, PathBuf};
+
+use fnv::FnvHasher;
 
 /// From the package's folder, where build scripts run; relative, so that a copied build folder is not taken for up to date.
 const LOCALIZER: &str = "../localizer/src";
@@ -10,15 +13,12 @@ fn main() {
     let mut files = Vec::new();
     collect(Path::new(LOCALIZER), &mut files);
     files.sort();
-    // FNV-1a, 64 bits.
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut hasher = FnvHasher::default();
     for file in files {
         println!("cargo::rerun-if-changed={}", file.display());
-        for byte in std::fs::read(&file).unwrap_or_default() {
-            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
+        hasher.write(&std::fs::read(&file).unwrap_or_default());
     }
-    println!("cargo::rustc-env=LOCALIZER_PRINT={hash:016x}");
+    println!("cargo::rustc-env=LOCALIZER_PRINT={:016x}", hasher.finish());
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {

@@ -110,7 +110,7 @@ fn forcing(nx: usize, ny: usize) -> Vec<StepForcing> {
             amplitude: (0.5 * n as f32).sin(),
         };
         StepForcing {
-            quiet: false,
+            flush: false,
             injections: [injection; 2],
             receiver: stencil,
         }

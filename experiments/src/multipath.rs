@@ -4,7 +4,7 @@
 //! picture only: size, drive, heights, reflection factor, noise and slip below are assumptions.
 
 use anyhow::{Context, Result};
-use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState};
+use fdtd::motion::{DriveLimits, DrivePath, MotionState, VelocityCommand};
 use fdtd::waveform::PeriodicWaveform;
 use localizer::multipath::planes::Plane;
 use localizer::odometry::OdometrySample;
@@ -79,12 +79,12 @@ fn drive() -> Result<DrivePath> {
         v_mps: 0.0,
         omega_radps: 0.0,
     };
-    let straight = |duration_s: f64| Leg {
+    let straight = |duration_s: f64| VelocityCommand {
         duration_s,
         v_mps: 0.25,
         omega_radps: 0.0,
     };
-    let turn = Leg {
+    let turn = VelocityCommand {
         duration_s: 3.77,
         v_mps: 0.25,
         omega_radps: 0.41667,
@@ -100,7 +100,11 @@ fn drive() -> Result<DrivePath> {
         turn,
         straight(4.6),
     ];
-    Ok(DrivePath::from_legs(start, &legs, DriveLimits::default())?)
+    Ok(DrivePath::from_commands(
+        start,
+        &legs,
+        DriveLimits::default(),
+    )?)
 }
 
 /// What the microphone hears on the drive, with echoes and without: from the cache, or simulated and put there.

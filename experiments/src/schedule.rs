@@ -69,7 +69,7 @@ pub fn steps_per_second(simulation: &mut Simulation, seconds: f64) -> Result<f64
     // The first call comes after the field is in the caches.
     let mut first: Option<(Instant, u64)> = None;
     let mut rate = 0.0;
-    simulation.quieten();
+    simulation.flush_subnormals();
     simulation.run(&mut |progress, _| {
         let (since, from) = *first.get_or_insert((Instant::now(), progress.step));
         let elapsed = since.elapsed().as_secs_f64();

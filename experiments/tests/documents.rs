@@ -7,8 +7,11 @@ use experiments::check::targets::Targets;
 use experiments::check::{readme, report};
 use experiments::summary::Summary;
 
-/// Lines of prose have at most this many characters.
+/// Lines of prose and of code have at most this many characters.
 const WIDTH: usize = 120;
+
+/// Folders whose Rust files keep to it.
+const SOURCES: [&str; 3] = ["fdtd", "oracles", "localizer"];
 
 /// The workspace's folder.
 fn root() -> PathBuf {
@@ -22,8 +25,8 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Adds the Markdown files below a folder, without what is built, cached or hidden.
-fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+/// Adds the files with an extension below a folder, without what is built, cached or hidden.
+fn collect(folder: &Path, extension: &str, files: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().to_string();
@@ -32,9 +35,9 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
             if !name.starts_with('.')
                 && !["target", "cache", "book", "venv", "shared"].contains(&name.as_str())
             {
-                collect(&path, files);
+                collect(&path, extension, files);
             }
-        } else if name.ends_with(".md") {
+        } else if path.extension().is_some_and(|own| own == extension) {
             files.push(path);
         }
     }
@@ -43,7 +46,7 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
 /// All Markdown files of the workspace.
 fn documents() -> Vec<PathBuf> {
     let mut files = Vec::new();
-    collect(&root(), &mut files);
+    collect(&root(), "md", &mut files);
     files.sort();
     files
 }
@@ -136,7 +139,7 @@ fn summary_lists_every_page() {
         .map(|link| folder.join(link))
         .collect();
     let mut pages = Vec::new();
-    collect(&folder, &mut pages);
+    collect(&folder, "md", &mut pages);
     for page in pages {
         assert!(
             page.ends_with("SUMMARY.md") || listed.contains(&page),
@@ -159,6 +162,17 @@ fn lines_are_short() {
             let is_picture = line.starts_with("![");
             if line.chars().count() > WIDTH && !is_table && !is_picture {
                 long.push(format!("{}:{number}", file.display()));
+            }
+        }
+    }
+    let mut sources = Vec::new();
+    for folder in SOURCES {
+        collect(&root().join(folder), "rs", &mut sources);
+    }
+    for file in sources {
+        for (index, line) in read(&file).lines().enumerate() {
+            if line.chars().count() > WIDTH {
+                long.push(format!("{}:{}", file.display(), index + 1));
             }
         }
     }

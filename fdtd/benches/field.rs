@@ -1,10 +1,13 @@
-//! Speed of the field engines with everything on (layers on four sides, a slanted wall, moving source and receiver), in cells
-//! per second, and of the spreading kernels. `echolot bench` measures more sizes, threads and the machine's peaks beside them.
+//! Speed of the field engines with everything on (layers on four sides, a slanted wall, moving source and receiver), in
+//! cells per second, and of the spreading kernels. `echolot bench` measures more sizes, threads and the machine's peaks
+//! beside them.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use fdtd::field::{FastField, Field, FieldSetup, Injection, ReferenceField, StepForcing, is_quiet};
+use fdtd::field::{
+    FastField, Field, FieldSetup, Injection, ReferenceField, StepForcing, flushes_subnormals,
+};
 use fdtd::grid::{Grid, Medium};
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
@@ -12,7 +15,7 @@ use fdtd::walls::SolidMask;
 
 /// Cells of the absorbing layers.
 const LAYER_CELLS: usize = 20;
-/// Steps of one timed piece; whole blocks of both engines.
+/// Steps of one timed run; whole blocks of both engines.
 const STEPS: usize = 64;
 /// Sides of the squares: in the second-level cache, and the papers' grid.
 const SIDES: [usize; 2] = [256, 1000];
@@ -51,7 +54,7 @@ fn forcing(scheme: Scheme, side: usize) -> Vec<StepForcing> {
             amplitude: (0.5 * n as f32).sin(),
         };
         StepForcing {
-            quiet: is_quiet(scheme, n as u64),
+            flush: flushes_subnormals(scheme, n as u64),
             injections: [injection; 2],
             receiver: stencil,
         }

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use fdtd::grid::{Grid, Medium};
 use fdtd::scheme::Scheme;
-use fdtd::simulation::{Domain, Drive, Flow, Simulation, SimulationOptions};
+use fdtd::simulation::{Domain, Flow, MovingPair, Simulation, SimulationOptions};
 use fdtd::spread::Spread;
 use fdtd::walls::WallCells;
 
@@ -76,7 +76,7 @@ fn main() -> Result<(), fdtd::Error> {
         layer_cells: 20,
         walls: WallCells::open(grid.nx, grid.ny),
     };
-    let drive = Drive::new(
+    let drive = MovingPair::new(
         &domain,
         Box::new(|t| [START_M[0] + SPEED_MPS * t, START_M[1]]),
         Box::new(|_| RECEIVER_M),

@@ -1,6 +1,7 @@
 //! Modified Bessel function of the first kind, for Kaiser windows.
 
-/// `I_0(x)`, by its power series up to terms below rounding. For moderate arguments: the number of terms grows with `x`.
+/// `I_0(x)`, by its power series up to terms below rounding. For moderate arguments: the number of terms grows with
+/// `x`.
 pub fn i0(x: f64) -> f64 {
     let quarter = 0.25 * x * x;
     let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);

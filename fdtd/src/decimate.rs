@@ -6,13 +6,13 @@ use std::f64::consts::PI;
 
 /// Attenuation in decibels that the Kaiser window is designed for; ripple in the band is as small.
 const ATTENUATION_DB: f64 = 95.0;
-/// Most positions of an output sample between two input samples that get weights of their own. A ratio of rates that needs
-/// more is served by the nearest one, which moves a sample by 1/32768 of an input step at most: -90 dB at the edge of a
-/// band of a sixth of the field's rate.
+/// Most positions of an output sample between two input samples that get weights of their own. A ratio of rates that
+/// needs more is served by the nearest one, which moves a sample by 1/32768 of an input step at most: -90 dB at the
+/// edge of a band of a sixth of the field's rate.
 const MAX_PHASES: usize = 16_384;
 
-/// A low-pass filter and the places where its output is taken: output `k` is at time `k / sample_rate_hz`, as input `n` is at
-/// `n / field_rate_hz`.
+/// A low-pass filter and the places where its output is taken: output `k` is at time `k / sample_rate_hz`, as input `n`
+/// is at `n / field_rate_hz`.
 #[derive(Debug, Clone)]
 pub struct Decimator {
     /// Input samples per output sample.
@@ -26,8 +26,8 @@ pub struct Decimator {
 }
 
 impl Decimator {
-    /// A filter that keeps frequencies up to `band_hz` within 0.01 dB and takes those from `sample_rate_hz - band_hz` on,
-    /// which would fall into the band, below -80 dB.
+    /// A filter that keeps frequencies up to `band_hz` within 0.01 dB and takes those from `sample_rate_hz - band_hz`
+    /// on, which would fall into the band, below -80 dB.
     ///
     /// # Errors
     /// [`Error::Invalid`] for rates that are not positive and finite, a sampling rate above the field's rate, or a band
@@ -136,7 +136,8 @@ impl Decimator {
     }
 }
 
-/// [`Decimator::new`] and [`Decimator::apply`] in one: the signal at `sample_rate_hz`, sample `k` at time `k / sample_rate_hz`.
+/// [`Decimator::new`] and [`Decimator::apply`] in one: the signal at `sample_rate_hz`, sample `k` at time
+/// `k / sample_rate_hz`.
 ///
 /// # Errors
 /// As [`Decimator::new`].

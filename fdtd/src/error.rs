@@ -1,8 +1,8 @@
-//! The error type of the library: every message names the file or field, what is wrong, and what would be accepted.
+//! The error type of the library: every message names the file or field, the problem, and the values accepted.
 
 use std::path::PathBuf;
 
-/// What can go wrong between a scene file and a microphone signal.
+/// Errors between a scene file and a microphone signal.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -11,7 +11,7 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A field of an input file has a value that cannot be used.
@@ -21,15 +21,15 @@ pub enum Error {
         origin: String,
         /// Path of the field, e.g. `paths.mapping.legs[3].v_mps`.
         field: String,
-        /// What is wrong with it.
+        /// The problem with it.
         problem: String,
-        /// What would be accepted.
+        /// The values that would be accepted.
         remedy: String,
     },
-    /// The field is what no source can have made.
+    /// The field has values that no source can have made.
     #[error(
-        "the field cannot be trusted {time_s:.3} s into the drive: at [{:.3}, {:.3}] m{} {cause}; nothing is written of this run. \
-         A scene that passes its check must not do this, please report it",
+        "the field cannot be trusted {time_s:.3} s into the drive: at [{:.3}, {:.3}] m{} {cause}; \
+         nothing is written of this run. A scene that passes its check must not do this, please report it",
         place_m[0], place_m[1], if *in_layer { ", in the absorbing layer," } else { "" }
     )]
     Unstable {
@@ -39,7 +39,7 @@ pub enum Error {
         place_m: [f64; 2],
         /// Whether that is in the absorbing layer.
         in_layer: bool,
-        /// The sign.
+        /// The evidence.
         cause: String,
     },
     /// A checkpoint belongs to other inputs or is damaged.
@@ -47,7 +47,7 @@ pub enum Error {
     Checkpoint {
         /// The checkpoint file.
         path: PathBuf,
-        /// What does not fit.
+        /// The mismatch.
         problem: String,
     },
 }

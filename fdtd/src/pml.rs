@@ -5,10 +5,11 @@
 //! analytic stretching of the coordinate for any step (Pasalic and McGarry 2010, in the form of Komatitsch and Martin
 //! 2007). Only what the stretching *changes* is added to the plain step, therefore the layer continues whatever wide
 //! stencil the interior uses without a jump. With the 13-point scheme `D D` acts on the smoothed pressure of
-//! [`crate::scheme::Weights::layer`], so that all of the scheme is stretched. The grid beyond the layer is zero pressure.
+//! [`crate::scheme::Weights::layer`], so that all of the scheme is stretched. The grid beyond the layer is zero
+//! pressure.
 //!
-//! This module holds the profile; the recursions are in [`crate::field`]. They work row by row, and each row owns both of
-//! its faces, so that rows can be advanced in any order that respects the stencil.
+//! This module holds the profile; the recursions are in [`crate::field`]. They work row by row, and each row owns both
+//! of its faces, so that rows can be advanced in any order that respects the stencil.
 
 /// Reflection-controlling strength of the profile at the outer edge, in units of `c/dx`: 2.65e5 1/s at 5 mm, 340 m/s.
 const SIGMA_MAX: f64 = 2.65e5 * 0.005 / 340.0;

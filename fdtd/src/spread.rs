@@ -26,20 +26,20 @@ const KAISER8: KaiserSinc = KaiserSinc {
 
 /// Passes the band and stops the grid's shortest waves.
 ///
-/// A coincident loudspeaker and microphone hear their own near field, which reaches up to the shortest waves. A kernel that
-/// passes them aliases there, and the direct wave changes with the place in the cell: by -24 dB with [`KAISER8`], which is
-/// almost the power of the echoes and moves at the robot's pace, through the band of their Doppler shifts. Found by a search
-/// over cut-off and shape for the least change of gain and near field over a cell below 15 kHz on the papers' grid:
-/// 0.004 dB and -58 dB.
+/// A coincident microphone receives the loudspeaker's near field, which reaches up to the shortest waves. A kernel that
+/// passes them aliases there, and the direct wave changes with the place in the cell: by -24 dB with [`KAISER8`], which
+/// is almost the power of the echoes and moves at the robot's pace, through the band of their Doppler shifts. Found by
+/// a search over cut-off and shape for the least change of gain and near field over a cell below 15 kHz on the papers'
+/// grid: 0.004 dB and -58 dB.
 const KAISER12: KaiserSinc = KaiserSinc {
     reach: 6,
     cutoff: 0.84,
     beta: 6.2,
 };
 
-/// Standard deviation of the Gaussian in cells: the narrowest whose alias is 60 dB weaker than the wave up to 15 kHz on the papers' grid. With `k` the wave's
-/// number in radians per cell, it passes `exp(-sigma^2 k^2 / 2)` of the wave and `exp(-sigma^2 (2 pi - k)^2 / 2)` of the alias, which for
-/// `k = 1.386` differ by 61 dB.
+/// Standard deviation of the Gaussian in cells: the narrowest whose alias is 60 dB weaker than the wave up to 15 kHz on
+/// the papers' grid. With `k` the wave's number in radians per cell, it passes `exp(-sigma^2 k^2 / 2)` of the wave and
+/// `exp(-sigma^2 (2 pi - k)^2 / 2)` of the alias, which for `k = 1.386` differ by 61 dB.
 const GAUSSIAN_SIGMA_CELLS: f64 = 0.8;
 
 /// Cells to each side that the Gaussian fills: at five standard deviations it has fallen to 4e-6.
@@ -53,13 +53,14 @@ const GAUSSIAN_REACH: usize = 4;
 pub enum Spread {
     /// Linear along each axis, 2 x 2 cells: the papers' direct method.
     Bilinear,
-    /// Gaussian with a standard deviation of 0.8 cells, 8 x 8 cells (Tsuchiya, Teshima and Hiryu 2022 drive a moving source so): the same in every
-    /// place of a cell and in every direction, but a low-pass, -2.4 dB at 10 kHz on a 5 mm grid for each of source and receiver.
+    /// Gaussian with a standard deviation of 0.8 cells, 8 x 8 cells (Tsuchiya, Teshima and Hiryu 2022 drive a moving
+    /// source so): the same in every place of a cell and in every direction, but a low-pass, -2.4 dB at 10 kHz on a 5
+    /// mm grid for each of source and receiver.
     Gaussian,
     /// Kaiser-windowed sinc, 8 x 8 cells: gain ripple about 0.01 dB at 10 kHz on a 5 mm grid.
     Kaiser8,
-    /// Kaiser-windowed sinc that stops the grid's shortest waves, 12 x 12 cells: gain ripple below 0.004 dB up to 15 kHz on a
-    /// 5 mm grid, and a direct wave that does not flicker when loudspeaker and microphone coincide.
+    /// Kaiser-windowed sinc that stops the grid's shortest waves, 12 x 12 cells: gain ripple below 0.004 dB up to 15
+    /// kHz on a 5 mm grid, and a direct wave that does not flicker when loudspeaker and microphone coincide.
     Kaiser12,
 }
 
@@ -163,7 +164,8 @@ fn gaussian(d: f64) -> f64 {
     (-0.5 * (d / GAUSSIAN_SIGMA_CELLS).powi(2)).exp()
 }
 
-/// Weights of a point `fraction` cells beyond cell `TAPS / 2 - 1` from a kernel over distance in cells; they sum to one.
+/// Weights of a point `fraction` cells beyond cell `TAPS / 2 - 1` from a kernel over distance in cells; they sum to
+/// one.
 fn fill(weights: &mut [f64; TAPS], fraction: f64, kernel: impl Fn(f64) -> f64) {
     for (i, weight) in weights.iter_mut().enumerate() {
         *weight = kernel(i as f64 - (TAPS / 2 - 1) as f64 - fraction);

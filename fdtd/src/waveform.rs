@@ -14,8 +14,8 @@ const PHASE_STEP: f64 = 0.2;
 
 /// A periodic waveform given by the samples of one period, without what lies outside its band.
 ///
-/// Its value at any time is that of the Fourier sum over the harmonics `k / period` (k below half the number of samples), each
-/// times [`band_gain`], to better than 1e-7 of the sum's amplitude.
+/// Its value at any time is that of the Fourier sum over the harmonics `k / period` (k below half the number of
+/// samples), each times [`band_gain`], to better than 1e-7 of the sum's amplitude.
 #[derive(Debug, Clone)]
 pub struct PeriodicWaveform {
     period_s: f64,
@@ -28,9 +28,9 @@ impl PeriodicWaveform {
     /// The waveform through one period of samples (the first at time 0, evenly over `period_s` seconds), without
     /// what lies above `band_hz`.
     ///
-    /// Frequencies within 1 kHz of the band's upper edge are tapered to zero there by a raised cosine, all lower ones keep their
-    /// amplitude and phase. When the field's rate times the period is a whole number, the table holds the value at every step of the
-    /// field itself. No samples, or a period that is not positive, give silence.
+    /// Frequencies within 1 kHz of the band's upper edge are tapered to zero there by a raised cosine, all lower ones
+    /// keep their amplitude and phase. When the field's rate times the period is a whole number, the table holds the
+    /// value at every step of the field itself. No samples, or a period that is not positive, give silence.
     pub fn new(
         samples_one_period: &[f64],
         period_s: f64,
@@ -119,8 +119,8 @@ impl PeriodicWaveform {
     }
 }
 
-/// Gain at a frequency for a band in hertz: one inside, zero outside, and a raised cosine over the 1 kHz inside the upper
-/// edge (and inside a lower edge above zero, over 1 kHz or as much as the edge's frequency).
+/// Gain at a frequency for a band in hertz: one inside, zero outside, and a raised cosine over the 1 kHz inside the
+/// upper edge (and inside a lower edge above zero, over 1 kHz or as much as the edge's frequency).
 pub fn band_gain(frequency_hz: f64, band_hz: [f64; 2]) -> f64 {
     let [low, high] = band_hz;
     // From 0 to 1 as `depth`, the distance inside the edge, goes from 0 to `width`.
@@ -161,7 +161,8 @@ fn harmonics(samples: &[f64], period_s: f64, band_hz: [f64; 2]) -> Vec<Complex<f
     spectrum
 }
 
-/// Entries of the table: fine enough for the highest harmonic, and a multiple of the field's steps per period where those are whole.
+/// Entries of the table: fine enough for the highest harmonic, and a multiple of the field's steps per period where
+/// those are whole.
 fn table_length(harmonics: usize, period_s: f64, field_rate_hz: f64) -> usize {
     let least = (TAU * harmonics as f64 / PHASE_STEP)
         .ceil()

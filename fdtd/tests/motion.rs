@@ -1,6 +1,6 @@
 //! Drives: against closed forms and a plain integration, smoothness, files, refusals.
 
-use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState, PoseSample};
+use fdtd::motion::{DriveLimits, DrivePath, MotionState, PoseSample, VelocityCommand};
 use std::f64::consts::{PI, TAU};
 
 const REST: MotionState = MotionState {
@@ -11,15 +11,15 @@ const REST: MotionState = MotionState {
     omega_radps: 0.0,
 };
 
-fn leg(duration_s: f64, v_mps: f64, omega_radps: f64) -> Leg {
-    Leg {
+fn leg(duration_s: f64, v_mps: f64, omega_radps: f64) -> VelocityCommand {
+    VelocityCommand {
         duration_s,
         v_mps,
         omega_radps,
     }
 }
 
-fn tour() -> Vec<Leg> {
+fn tour() -> Vec<VelocityCommand> {
     vec![
         leg(3.0, 0.3, 0.0),
         leg(2.0, 0.25, 0.5),
@@ -51,7 +51,7 @@ fn a_circle_closes() {
 #[test]
 fn legs_follow_a_plain_integration_of_the_limited_speeds() {
     let limits = DriveLimits::default();
-    let path = DrivePath::from_legs(REST, &tour(), limits).unwrap();
+    let path = DrivePath::from_commands(REST, &tour(), limits).unwrap();
     // Midpoint rule at 20 us, speeds slewed step by step towards their commands.
     let dt_s = 2e-5;
     let slew =
@@ -85,7 +85,7 @@ fn legs_follow_a_plain_integration_of_the_limited_speeds() {
 
 #[test]
 fn positions_are_the_integral_of_the_speeds_everywhere() {
-    let path = DrivePath::from_legs(REST, &tour(), DriveLimits::default()).unwrap();
+    let path = DrivePath::from_commands(REST, &tour(), DriveLimits::default()).unwrap();
     let h = 1e-4;
     for k in 1..106_000 {
         let t_s = f64::from(k) * h;
@@ -107,7 +107,7 @@ fn positions_are_the_integral_of_the_speeds_everywhere() {
 
 #[test]
 fn times_beyond_the_drive_are_clamped_and_rest_is_exact() {
-    let path = DrivePath::from_legs(REST, &tour(), DriveLimits::default()).unwrap();
+    let path = DrivePath::from_commands(REST, &tour(), DriveLimits::default()).unwrap();
     assert_eq!(path.state_at(-5.0), path.state_at(0.0));
     assert_eq!(path.state_at(99.0), path.state_at(path.duration_s()));
     let still = DrivePath::uniform(REST, 5.0).unwrap();
@@ -234,7 +234,7 @@ fn bad_files_and_numbers_are_refused_in_one_line() {
         leg(1.0, f64::INFINITY, 0.0),
         leg(1.0, 0.1, 99.0),
     ] {
-        assert!(DrivePath::from_legs(REST, &[bad], DriveLimits::default()).is_err());
+        assert!(DrivePath::from_commands(REST, &[bad], DriveLimits::default()).is_err());
     }
-    assert!(DrivePath::from_legs(REST, &[], DriveLimits::default()).is_err());
+    assert!(DrivePath::from_commands(REST, &[], DriveLimits::default()).is_err());
 }

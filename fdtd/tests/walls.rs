@@ -246,7 +246,7 @@ fn faces_of_cut_cells_keep_the_spectrum_and_rows_sum_to_zero() {
         let polynomial = scheme.polynomial(0.5667);
         let operator = WallOperator::new(&cells, &weights, &polynomial, scheme.radius());
         let solid = |ix: usize, iy: usize| cells.solid().is_solid(ix, iy);
-        // What the plain stencil loses to solid cells is what the corrections bring back.
+        // The corrections bring back what the plain stencil loses to solid cells.
         let plain = |dx: isize, dy: isize| match (dx.abs().min(dy.abs()), dx.abs().max(dy.abs())) {
             (0, 1) => weights.edge,
             (1, 1) => weights.corner,

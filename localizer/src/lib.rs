@@ -53,7 +53,6 @@ pub mod beacons;
 pub mod echo;
 pub mod error;
 pub mod filter;
-mod fnv;
 pub mod image;
 pub mod io;
 pub mod landmarks;

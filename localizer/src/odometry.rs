@@ -178,11 +178,12 @@ pub fn mean_over_periods(odometry: &[Odometry], from_periods: f64, to_periods: f
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn sample(t_s: f64, v_mps: f64) -> OdometrySample {
+    /// A sample that turns at twice its speed.
+    pub(crate) fn sample(t_s: f64, v_mps: f64) -> OdometrySample {
         OdometrySample {
             t_s,
             v_mps,

@@ -1,27 +1,28 @@
 //! Random streams that depend on names and numbers only, never on the order of execution.
 
+use std::hash::Hasher;
+
+use fnv::FnvHasher;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::fnv::Fnv;
-
 /// Seed of one trial of one cell of an experiment.
 pub fn trial_seed(experiment: &str, cell: &str, trial: u64) -> u64 {
-    let mut hash = Fnv::default();
+    let mut hasher = FnvHasher::default();
     for part in [experiment.as_bytes(), cell.as_bytes(), &trial.to_le_bytes()] {
-        hash.take(part);
+        hasher.write(part);
         // A separator that UTF-8 does not contain keeps ("ab", "c") apart from ("a", "bc").
-        hash.take(&[0xff]);
+        hasher.write(&[0xff]);
     }
-    hash.0
+    hasher.finish()
 }
 
 /// The stream of one purpose (such as "motion noise") under a seed: ChaCha8 with the seed as key, the purpose as nonce.
 pub fn stream(seed: u64, purpose: &str) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut hash = Fnv::default();
-    hash.take(purpose.as_bytes());
-    rng.set_stream(hash.0);
+    let mut hasher = FnvHasher::default();
+    hasher.write(purpose.as_bytes());
+    rng.set_stream(hasher.finish());
     rng
 }
 
@@ -29,6 +30,12 @@ pub fn stream(seed: u64, purpose: &str) -> ChaCha8Rng {
 mod tests {
     use super::*;
     use rand::Rng;
+
+    /// Published estimates depend on it: FNV-1a, 64 bits, by another program.
+    #[test]
+    fn a_seed_stays_what_it_was() {
+        assert_eq!(trial_seed("noise", "snr 5", 3), 0x8cee_a8bb_d8b1_5593);
+    }
 
     #[test]
     fn streams_differ_by_purpose_and_trial_and_repeat() {

@@ -20,7 +20,7 @@ use localizer::{
     DirectWave, EchoBlock, EchoSequence, Localizer, MapImage, Method, Odometry, Parameters, Pose,
 };
 
-/// The system's allocator with a count of what was asked of it, by all threads. This file holds one test, so that no
+/// The system's allocator with a count of its calls, by all threads. This file holds one test, so that no
 /// other one counts along.
 struct Counting;
 

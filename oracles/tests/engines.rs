@@ -61,7 +61,7 @@ fn forcing(grid: &Grid, spread: Spread, steps: usize) -> Vec<StepForcing> {
             let source = spread.stencil([7.0 + w * u, 7.0 + h * (1.0 - u)]);
             let wave = (n as f32 * 0.5).sin() + (n as f32 * 1.3).cos();
             StepForcing {
-                quiet: n % 5 < 2,
+                flush: n % 5 < 2,
                 injections: [
                     Injection {
                         stencil: source,
@@ -83,7 +83,7 @@ fn compare(setup: &FieldSetup, forcing: &[StepForcing], threads: usize, machine:
     let mut fast = FastField::on(machine, setup.clone(), threads);
     let (mut expected, mut got) = (Vec::new(), Vec::new());
     plain.advance(forcing, &mut expected);
-    // Uneven pieces: blocks of all lengths occur, odd ones swap the buffers.
+    // Uneven parts: blocks of all lengths occur, odd ones swap the buffers.
     let (head, tail) = forcing.split_at(forcing.len() / 3);
     fast.advance(head, &mut got);
     let mut resumed = FastField::on(machine, setup.clone(), 1);
@@ -105,6 +105,13 @@ fn bits(signal: &[f32]) -> Vec<u32> {
     signal.iter().map(|p| p.to_bits()).collect()
 }
 
+const INSTRUCTIONS: [InstructionSet; 4] = [
+    InstructionSet::Portable,
+    InstructionSet::Avx2,
+    InstructionSet::Avx512,
+    InstructionSet::Avx512,
+];
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
@@ -116,7 +123,7 @@ proptest! {
         scheme in prop::sample::select(&Scheme::ALL[..]),
         spread in prop::sample::select(&Spread::ALL[..]),
         steps in 20usize..70,
-        instructions in prop::sample::select(&[InstructionSet::Portable, InstructionSet::Avx2, InstructionSet::Avx512, InstructionSet::Avx512][..]),
+        instructions in prop::sample::select(&INSTRUCTIONS[..]),
         first_level_bytes in prop_oneof![Just(0usize), 2000usize..20_000],
         rectangles in prop::collection::vec(prop::array::uniform4(0usize..180), 0..4),
         lines in prop::collection::vec(prop::array::uniform4(0.0..0.9_f64), 0..3),

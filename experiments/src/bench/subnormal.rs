@@ -1,9 +1,9 @@
 //! Speed while the first wave front crosses a silent field, beside that of a field in full swing. Ahead of the front the field falls off through all
 //! magnitudes, and some processors take a hundred cycles for each operation on a subnormal number; quiet steps keep
-//! them away ([`fdtd::field::is_quiet`]). The third measurement leaves the quiet steps out.
+//! them away ([`fdtd::field::flushes_subnormals`]). The third measurement leaves the quiet steps out.
 
 use anyhow::Result;
-use fdtd::field::{FastField, Field, StepForcing, is_quiet};
+use fdtd::field::{FastField, Field, StepForcing, flushes_subnormals};
 use fdtd::scheme::Scheme;
 use serde::Serialize;
 
@@ -66,7 +66,7 @@ pub fn measure(nx: usize, ny: usize, steps: Option<usize>) -> Result<Vec<Row>> {
             .collect();
         let mut quiet = loud.clone();
         for (n, step) in quiet.iter_mut().enumerate() {
-            step.quiet = is_quiet(scheme, n as u64);
+            step.flush = flushes_subnormals(scheme, n as u64);
         }
         let mut field = FastField::new(super::setup(nx, ny, scheme), 1);
         let silent = field.state();

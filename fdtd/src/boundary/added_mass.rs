@@ -1,10 +1,10 @@
-//! Added mass: the mass of air before a piece of slanted surface.
+//! Added mass: the mass of air before a element of slanted surface.
 //!
 //! For a flow that is uniform along the whole wall, the surface must add no reactance of its own to that of the air.
 //! Let the pressure rise by one per cell width from the wall on, as before a soft wall at low frequencies. A surface
 //! takes the velocity that this slope gives the air at its place if its mass in cell widths equals its sample of that
 //! pressure, `f.p`. The pressure in the cells deviates from the slope, for the surfaces take their flow from cells at
-//! some distance. It is computed in a window around each piece with the operator of the field: all pieces in the
+//! some distance. It is computed in a window around each element with the operator of the field: all elements in the
 //! window take their share of the flow, and on its rim, far from the surface (deviations fall to a quarter from cell
 //! to cell), the pressure is the distance from the wall.
 //!
@@ -12,7 +12,7 @@
 //! the axes plus [`OF_COLUMNS`].
 
 use super::linear::conjugate_gradients;
-use super::piece::Piece;
+use super::surface_element::SurfaceElement;
 use crate::walls::operator::Row;
 use crate::walls::slant::LEAST_SLOPE;
 use crate::walls::{Load, WallCells};
@@ -28,8 +28,8 @@ const WIDTH: usize = 2 * HALF as usize + 1;
 const ROUNDS: usize = 40;
 
 /// Correction of the mass in cell widths at two angles between normal and axis in degrees, interpolated between them
-/// and constant beyond. Chosen for small errors of the reflection factor at 10 kHz
-/// (law `tilted_impedance`).
+/// and constant beyond. Chosen for small errors of the reflection factor at 10 kHz (law
+/// `tilted_impedance`).
 type Changes = [(f64, f64); 2];
 
 /// Correction before boxes of cells.
@@ -53,24 +53,24 @@ fn change(load: &Load, [(first, from), (last, to)]: Changes) -> f64 {
     from + ((angle_deg - first) / (last - first)).clamp(0.0, 1.0) * (to - from)
 }
 
-/// Masses in cell widths of those of the `pieces` of surface before which boxes of cells take part, with their places
+/// Masses in cell widths of those of the `elements` of surface before which boxes of cells take part, with their places
 /// in the list, on the field whose operator has `rows`.
 pub(super) fn slanted_masses(
     walls: &WallCells,
     rows: &dyn Fn([usize; 2]) -> Row,
-    pieces: &[Piece],
+    elements: &[SurfaceElement],
 ) -> Vec<(usize, f64)> {
     // Flow that surfaces take from cells, for a uniform flow of one.
     let mut taken: BTreeMap<[usize; 2], f64> = BTreeMap::new();
-    for piece in pieces {
-        let sum: f64 = piece.reach.values().sum();
-        for (&cell, weight) in &piece.reach {
-            *taken.entry(cell).or_default() += piece.length * weight / sum;
+    for element in elements {
+        let sum: f64 = element.reach.values().sum();
+        for (&cell, weight) in &element.reach {
+            *taken.entry(cell).or_default() += element.length * weight / sum;
         }
     }
-    let mass = |(index, (load, piece)): (usize, (&Load, &Piece))| {
-        let pressure = Window::new(walls, load, rows, &taken).pressure();
-        let sampled = piece.reach.iter().map(|(&cell, weight)| {
+    let mass = |(index, (load, element)): (usize, (&Load, &SurfaceElement))| {
+        let pressure = Neighbourhood::new(walls, load, rows, &taken).pressure();
+        let sampled = element.reach.iter().map(|(&cell, weight)| {
             let [x, y] = [0, 1].map(|axis| (cell[axis] + HALF as usize) - load.cell[axis]);
             weight * pressure[y * WIDTH + x]
         });
@@ -78,7 +78,7 @@ pub(super) fn slanted_masses(
         let [least, most] = RANGE;
         (index, mass.max(least).min(most) + change(load, OF_BOXES))
     };
-    let slanted = walls.loads().iter().zip(pieces).enumerate();
+    let slanted = walls.loads().iter().zip(elements).enumerate();
     slanted
         .filter(|(_, (load, _))| load.nearest_axis().1 <= LEAST_SLOPE)
         .map(mass)
@@ -95,15 +95,15 @@ struct Free {
     taken: f64,
 }
 
-/// The cells around a piece of surface.
-struct Window {
+/// The cells around a surface element.
+struct Neighbourhood {
     free: Vec<Free>,
     /// Pressure, initially the distance from the wall.
     pressure: Vec<f64>,
 }
 
-impl Window {
-    /// Around the cell of a piece of surface.
+impl Neighbourhood {
+    /// Around the cell of a surface element.
     fn new(
         walls: &WallCells,
         load: &Load,

@@ -1,7 +1,7 @@
 //! The column of cells before walls along the axes, and nearly so.
 
 use super::half_line::AxisWeights;
-use super::piece::Reach;
+use super::surface_element::Reach;
 use crate::walls::{Load, WallCells};
 
 /// Least area of a cell beside the first one along the wall, over that of the first, to take part: smaller cells
@@ -22,7 +22,7 @@ pub(super) struct Column {
 }
 
 impl Column {
-    /// The column before a piece of surface.
+    /// The column before a surface element.
     pub(super) fn of(walls: &WallCells, load: &Load) -> Self {
         let (axis, slope) = load.nearest_axis();
         let inward = if load.normal[axis] > 0.0 { 1 } else { -1 };

@@ -1,6 +1,6 @@
-//! All surfaces of a grid, from the pieces of surface of its walls.
+//! All surfaces of a grid, from the surface elements of its walls.
 //!
-//! A piece of surface of length l and impedance Z has one velocity v into it, half a step before and after the
+//! A surface element of length l and impedance Z has one velocity v into it, half a step before and after the
 //! pressure. With a mass m of air before it, `z = Z/(rho c)`, and the pressure at the surface as a weighted sum with
 //! weights f of cells before it ([`super::axis_kernel`] before walls along the axes, [`super::slanted_kernel`] before
 //! others),
@@ -27,9 +27,9 @@ use super::axis_kernel::AxisKernel;
 use super::branches::{Branches, Reduced};
 use super::column::Column;
 use super::passivity::least_masses;
-use super::piece::{Piece, Reach};
 use super::slanted_kernel::SlantedKernel;
 use super::surface::{Reaction, Surface, Surfaces};
+use super::surface_element::{Reach, SurfaceElement};
 use crate::grid::{Grid, Medium};
 use crate::scheme::Scheme;
 use crate::walls::operator::WallOperator;
@@ -55,29 +55,29 @@ pub fn surfaces(
     let (radius, dt_s) = (scheme.radius(), grid.dt_s);
     let characteristic_pasm = medium.rho_kgpm3 * medium.c_mps;
     let (axis, slanted) = (AxisKernel::new(polynomial), SlantedKernel::new(polynomial));
-    let (mut pieces, mut masses) = (Vec::new(), Vec::new());
+    let (mut elements, mut masses) = (Vec::new(), Vec::new());
     for load in walls.loads() {
         let design = Design::of(walls, load, &axis, &slanted);
         masses.push(design.mass);
-        pieces.push(Piece {
+        elements.push(SurfaceElement {
             cell: load.cell,
             length: load.length,
             reach: design.reach,
         });
     }
     let operator_rows = operator.rows(walls, weights, polynomial, radius);
-    for (index, mass) in slanted_masses(walls, &operator_rows, &pieces) {
+    for (index, mass) in slanted_masses(walls, &operator_rows, &elements) {
         let share = share(walls.loads()[index].nearest_axis().1);
         masses[index] += share * (mass - masses[index]);
     }
-    let least = least_masses(walls, polynomial, &pieces);
+    let least = least_masses(walls, polynomial, &elements);
     let area = |[ix, iy]: [usize; 2]| {
         let opening = walls.opening(ix as isize, iy as isize);
         opening.map_or(1.0, |opening| opening.area)
     };
     let mut memory = 0;
     for (index, load) in walls.loads().iter().enumerate() {
-        let reach = &pieces[index].reach;
+        let reach = &elements[index].reach;
         let mass = masses[index].max(least[index]) / courant;
         let branches = load.impedance.branches();
         let branches: Vec<Reduced> = (branches.iter())
@@ -117,7 +117,7 @@ pub fn surfaces(
     Surfaces::new(rows)
 }
 
-/// Weights of a piece of surface by the slope of its wall.
+/// Weights of a surface element by the slope of its wall.
 struct Design {
     reach: Reach,
     /// Mass in cell widths before a column of cells, if one takes part.

@@ -9,7 +9,7 @@
 //! surface: it falls to a quarter from cell to cell, so that the truncation is far below [`MARGIN`].
 
 use super::linear::conjugate_gradients;
-use super::piece::Piece;
+use super::surface_element::SurfaceElement;
 use crate::scheme::Polynomial;
 use crate::walls::WallCells;
 use crate::walls::slant::place_in;
@@ -27,23 +27,23 @@ const MARGIN: f64 = 1.01;
 /// Numbers by cell of the window, `[y][x]`.
 type Values = [[f64; WIDTH]; WIDTH];
 
-/// Least masses in cell widths of all pieces of surface of a grid, for any impedance.
+/// Least masses in cell widths of all surface elements of a grid, for any impedance.
 pub(super) fn least_masses(
     walls: &WallCells,
     polynomial: &Polynomial,
-    pieces: &[Piece],
+    elements: &[SurfaceElement],
 ) -> Vec<f64> {
     let mut parts: BTreeMap<[usize; 2], Vec<(usize, f64)>> = BTreeMap::new();
-    for (index, piece) in pieces.iter().enumerate() {
-        for (&cell, &weight) in &piece.reach {
+    for (index, element) in elements.iter().enumerate() {
+        for (&cell, &weight) in &element.reach {
             parts.entry(cell).or_default().push((index, weight));
         }
     }
     let slack = slack(polynomial);
-    let least = |piece: &Piece| -> f64 {
-        let window = Window::around(walls, piece.cell, slack);
+    let least = |element: &SurfaceElement| -> f64 {
+        let window = Neighbourhood::around(walls, element.cell, slack);
         let mut load = [[0.0; WIDTH]; WIDTH];
-        for (&cell, weight) in &piece.reach {
+        for (&cell, weight) in &element.reach {
             let [x, y] = [0, 1].map(|axis| window.place(cell, axis));
             load[y][x] = *weight;
         }
@@ -63,10 +63,10 @@ pub(super) fn least_masses(
         }
         let terms = shared
             .iter()
-            .map(|(&other, with)| pieces[other].length * with.abs());
+            .map(|(&other, with)| elements[other].length * with.abs());
         MARGIN * terms.sum::<f64>()
     };
-    pieces.iter().map(least).collect()
+    elements.iter().map(least).collect()
 }
 
 /// The coefficients `[spare, smooth]` of the form H.
@@ -76,7 +76,7 @@ fn slack(polynomial: &Polynomial) -> [f64; 2] {
 }
 
 /// The form H in a window of cells.
-struct Window {
+struct Neighbourhood {
     centre: [usize; 2],
     /// `smooth` times the weights of the faces at lower x; zero on the rim of the window, beyond which the field is
     /// zero.
@@ -89,7 +89,7 @@ struct Window {
     bridges: Vec<([[usize; 2]; 2], f64)>,
 }
 
-impl Window {
+impl Neighbourhood {
     /// Around a cell, for the coefficients of H.
     fn around(walls: &WallCells, centre: [usize; 2], [spare, smooth]: [f64; 2]) -> Self {
         let mut window = Self {

@@ -1,6 +1,6 @@
 //! Weights before slanted walls: the slanted kernel.
 //!
-//! A piece of surface samples the pressure in the cells of a box of three by three before its middle, and takes its
+//! A surface element samples the pressure in the cells of a box of three by three before its middle, and takes its
 //! flow from the same cells with the same weights, as before walls along the axes ([`super::axis_kernel`]). Before a
 //! rigid wall a plane wave is `cos(k d) exp(i h t)`, with the distance d from the wall, the place t along it, and the
 //! wave numbers k and h on the grid. The weights turn this, by least squares over waves of all angles up to
@@ -12,12 +12,12 @@
 //! The factor c is for the velocity, a mean of two half steps; the root is for a flow that travels on the grid with
 //! another velocity than in air. A penalty that grows with distance ([`Fit`]) keeps the weights small and near the
 //! wall, so that the mass of air before the surface depends little on frequency and angle ([`super::added_mass`]).
-//! Its parameters minimise the error of the reflection factor over angle and impedance
-//! (law `tilted_impedance`).
+//! Its parameters minimise the error of the reflection factor over angle and impedance (law
+//! `tilted_impedance`).
 
 use super::band::{BAND_EDGE, COSINES};
 use super::linear::solve;
-use super::piece::Reach;
+use super::surface_element::Reach;
 use crate::scheme::Polynomial;
 use crate::walls::{Load, WallCells};
 
@@ -83,7 +83,7 @@ impl SlantedKernel {
         }
     }
 
-    /// Weights of the cells before a piece of surface. With the weights of a `column`, all of its cells and no other
+    /// Weights of the cells before a surface element. With the weights of a `column`, all of its cells and no other
     /// rows take part.
     pub(super) fn at(&self, walls: &WallCells, load: &Load, column: Option<&Reach>) -> Reach {
         let places = self.box_cells(walls, load, column);
@@ -196,7 +196,7 @@ impl SlantedKernel {
     }
 }
 
-/// Place of the middle of a piece of surface along it, from the foot of the perpendicular through the centre of its
+/// Place of the middle of a surface element along it, from the foot of the perpendicular through the centre of its
 /// cell.
 fn middle(load: &Load) -> f64 {
     let [nx, ny] = load.normal;

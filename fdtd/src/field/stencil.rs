@@ -1,4 +1,5 @@
-//! The plain step of each scheme and the recursion of the absorbing layer, written once for a number or a vector of them.
+//! The plain step of each scheme and the recursion of the absorbing layer, written once for a number or a vector of
+//! them.
 
 use crate::number::Number;
 use crate::scheme::Weights;
@@ -12,8 +13,8 @@ pub(super) struct Splat<N> {
     pub(super) far: N,
     pub(super) knight: N,
     pub(super) outer: N,
-    /// What the absorbing layer gives a cell, its neighbours along the absorbed axis, those across it, those at distance two
-    /// along it, and the diagonal ones.
+    /// Contribution of the absorbing layer to a cell, its neighbours along the absorbed axis, those across it, those at
+    /// distance two along it, and the diagonal ones.
     layer: [N; 5],
 }
 
@@ -63,8 +64,8 @@ impl<N: Number> Splat<N> {
             .mul_add(here, sum.add(columns[0].add(columns[1])))
     }
 
-    /// What the absorbing layer takes the second difference of (see [`crate::pml`]), from a cell, its neighbours along the
-    /// absorbed axis and those across it.
+    /// Quantity whose second difference the absorbing layer takes (see [`crate::pml`]), from a cell, its neighbours
+    /// along the absorbed axis and those across it.
     #[inline(always)]
     pub(super) fn m13_layer(&self, here: N, along: [N; 2], across: [N; 2]) -> N {
         let [own, beside, aside, ..] = self.layer;
@@ -72,8 +73,8 @@ impl<N: Number> Splat<N> {
         beside.mul_add(along[0].add(along[1]), sum)
     }
 
-    /// What a column gives to the columns beside it and to those at distance two (25-point step): from its cell in this row
-    /// and the sums of its cells one and two rows below and above.
+    /// Contributions of a column to the columns beside it and to those at distance two (25-point step): from its cell
+    /// in this row and the sums of its cells one and two rows below and above.
     #[inline(always)]
     pub(super) fn d25_sides(&self, here: N, [near, far]: [N; 2]) -> [N; 2] {
         let beside = self.corner.mul_add(near, self.knight.mul(far));
@@ -83,9 +84,9 @@ impl<N: Number> Splat<N> {
         ]
     }
 
-    /// First term of the 25-point step's sum, which goes from west to east: the cell three to the west, and the past. Then follow
-    /// the parts of the columns two and one to the west ([`Splat::d25_sides`]), [`Splat::d25_own`], the parts of the columns one
-    /// and two to the east, and [`Splat::d25_last`].
+    /// First term of the 25-point step's sum, which goes from west to east: the cell three to the west, and the past.
+    /// Then follow the parts of the columns two and one to the west ([`Splat::d25_sides`]), [`Splat::d25_own`], the
+    /// parts of the columns one and two to the east, and [`Splat::d25_last`].
     #[inline(always)]
     pub(super) fn d25_first(&self, west: N, past: N) -> N {
         self.outer.mul_sub(west, past)
@@ -104,8 +105,8 @@ impl<N: Number> Splat<N> {
         self.outer.mul_add(east, sum)
     }
 
-    /// What the absorbing layer takes the second difference of with the 25-point scheme, from a cell, its neighbours along the
-    /// absorbed axis (next and second) and across it, and the diagonal ones.
+    /// Quantity whose second difference the absorbing layer takes with the 25-point scheme, from a cell, its neighbours
+    /// along the absorbed axis (next and second) and across it, and the diagonal ones.
     #[inline(always)]
     pub(super) fn d25_layer(
         &self,
@@ -126,10 +127,10 @@ impl<N: Number> Splat<N> {
 /// Memory of the absorbing layer at one cell: lower face, upper face, cell.
 pub(super) type LayerMemory<N> = [N; 3];
 
-/// One step of the layer's recursions at one cell from the differences of pressure (with the wide schemes of
-/// what [`Splat::m13_layer`] and [`Splat::d25_layer`] give) over its lower and upper face and the
-/// decays of lower face, upper face and cell and that of open air; returns the memory after it and what to add to the plain step, in units
-/// of the plain step's coefficient of `A + B` (see [`crate::pml`]).
+/// One step of the layer's recursions at one cell from the differences of pressure (with the wide schemes of what
+/// [`Splat::m13_layer`] and [`Splat::d25_layer`] give) over its lower and upper face and the decays of lower face,
+/// upper face and cell and that of open air; returns the memory after it and what to add to the plain step, in units of
+/// the plain step's coefficient of `A + B` (see [`crate::pml`]).
 #[inline(always)]
 pub(super) fn layer<N: Number>(
     [lower, upper]: [N; 2],
@@ -145,15 +146,15 @@ pub(super) fn layer<N: Number>(
     ([faces[0], faces[1], zeta], change)
 }
 
-/// Memory of a face (or cell) with this decay after a step, from that before it and what drives it; `open` is the decay of open air, for
-/// which nothing is remembered.
+/// Memory of a face (or cell) with this decay after a step, from that before it and what drives it; `open` is the decay
+/// of open air, for which nothing is remembered.
 #[inline(always)]
 pub(super) fn face_memory<N: Number>(decay: N, open: N, old: N, drive: N) -> N {
     decay.mul_add(old, decay.sub(open).mul(drive))
 }
 
-/// The cell's part of [`layer`], from the slopes, the memory of the faces after this step, and the cell's decay and memory before it:
-/// the cell's memory after it, and what to add to the plain step.
+/// The cell's part of [`layer`], from the slopes, the memory of the faces after this step, and the cell's decay and
+/// memory before it: the cell's memory after it, and what to add to the plain step.
 #[inline(always)]
 pub(super) fn layer_cell<N: Number>(
     [lower, upper]: [N; 2],

@@ -1,16 +1,17 @@
 //! Absorption put on a signal that was computed without it.
 //!
-//! Every echo loses `exp(-a(f) tau)` of its amplitude, `a = alpha c` in 1/s, by its own travel time `tau`, which a signal alone does not tell: a code
-//! of 0.1 s shifted by 20 Hz is spread over all delays, so a robot's echoes cannot be told apart period by period. Sent again with its
-//! strength stamped, that is multiplied by `t - t_m`, the same drive tells it. With echoes `s(t - tau_k)` of amplitudes `a_k`
+//! Every echo loses `exp(-a(f) tau)` of its amplitude, `a = alpha c` in 1/s, by its own travel time `tau`, which does
+//! not follow from a signal alone: a code of 0.1 s shifted by 20 Hz is spread over all delays, so a robot's echoes
+//! cannot be separated period by period. Sent again with its strength stamped, that is multiplied by `t - t_m`, the
+//! same drive shows it. With echoes `s(t - tau_k)` of amplitudes `a_k`
 //! ```text
 //! plain:    p(t) = sum a_k s(t - tau_k)
 //! stamped:  u(t) = sum a_k (t - tau_k - t_m) s(t - tau_k)
 //! so        (t - t_m) p(t) - u(t) = sum a_k tau_k s(t - tau_k)
 //! ```
-//! whatever the paths, moving or bent round edges. A straight line in tau, `1 + e(f) - b(f) tau`, stands for the exponential: of all lines its
-//! largest error from no delay up to the longest path of interest is least (Chebyshev; the exponential is convex). Both
-//! factors are filters of the whole signal, without delay.
+//! whatever the paths, moving or bent round edges. A straight line in tau, `1 + e(f) - b(f) tau`, stands for the
+//! exponential: of all lines its largest error from no delay up to the longest path of interest is least (Chebyshev;
+//! the exponential is convex). Both factors are filters of the whole signal, without delay.
 //!
 //! Left out: the dispersion that goes with relaxation (0.1 m/s at most), and what a period of the sound changes of tau.
 
@@ -46,7 +47,8 @@ pub fn straight_line(a_per_s: f64, longest_s: f64) -> [f64; 2] {
 }
 
 impl Stamped<'_> {
-    /// The signal with the absorption of air: `nepers_per_metre` of a frequency in hertz, at the speed of sound `c_mps`.
+    /// The signal with the absorption of air: `nepers_per_metre` of a frequency in hertz, at the speed of sound
+    /// `c_mps`.
     ///
     /// Without absorption it is the plain signal, bit for bit.
     ///
@@ -97,7 +99,8 @@ mod tests {
     const C_MPS: f64 = 343.2;
     const RATE_HZ: f64 = 40e3;
     const MIDDLE_S: f64 = 0.4;
-    /// Amplitude, path at time 0 in metres, speed of its lengthening in m/s: direct wave and echoes of a robot at 0.4 m/s.
+    /// Amplitude, path at time 0 in metres, speed of its lengthening in m/s: direct wave and echoes of a robot at 0.4
+    /// m/s.
     const ECHOES: [[f64; 3]; 4] = [
         [3.0, 0.05, 0.0],
         [1.0, 2.1, 0.8],
@@ -114,7 +117,8 @@ mod tests {
         nepers_per_metre(&air, frequency_hz)
     }
 
-    /// Sum of the echoes of tones from 1 to 14 kHz with any phases, each weighted by a function of send time, travel time and frequency.
+    /// Sum of the echoes of tones from 1 to 14 kHz with any phases, each weighted by a function of send time, travel
+    /// time and frequency.
     fn echoes(only: Option<usize>, weight: &dyn Fn(f64, f64, f64) -> f64) -> Vec<f32> {
         (0..32_000)
             .map(|k| {
@@ -155,9 +159,9 @@ mod tests {
         values.map(|value| value * value).sum::<f64>().sqrt()
     }
 
-    /// Each echo on its own, then all together, against the exact loss by path and frequency. Bias: the line's error, at most 0.09 dB at 14 kHz
-    /// and 12 m; the ends of the signal, where the filters ring, are left out. Tolerance: 0.1 dB of each echo's level, 1 % of its waveform. Without
-    /// absorption the farthest echo is 1.2 dB louder.
+    /// Each echo on its own, then all together, against the exact loss by path and frequency. Bias: the line's error,
+    /// at most 0.09 dB at 14 kHz and 12 m; the ends of the signal, where the filters ring, are left out. Tolerance: 0.1
+    /// dB of each echo's level, 1 % of its waveform. Without absorption the farthest echo is 1.2 dB louder.
     #[test]
     fn moving_echoes_lose_what_their_own_paths_take() {
         let inner = 2000..30_000;

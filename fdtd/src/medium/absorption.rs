@@ -5,7 +5,8 @@ use super::{Air, STANDARD_PRESSURE_PA};
 /// Decibels per neper.
 pub const DECIBELS_PER_NEPER: f64 = 8.685_889_638_065_037;
 
-/// Attenuation of a tone in dB/m at a frequency in hertz: the classical part, and the relaxation of oxygen and nitrogen.
+/// Attenuation of a tone in dB/m at a frequency in hertz: the classical part, and the relaxation of oxygen and
+/// nitrogen.
 ///
 /// Good to 10 % for 0.05 to 5 % of water vapour and -20 to 50 degC, says the standard.
 pub fn decibels_per_metre(air: &Air, frequency_hz: f64) -> f64 {
@@ -44,8 +45,8 @@ mod tests {
 
     #[test]
     fn the_table_of_iso_9613_2_is_met_to_its_last_digit() {
-        // ISO 9613-2:1996, table 2: temperature in degC, humidity in percent, dB/km at 500 Hz to 8 kHz. Computed with this formula, rounded to
-        // three digits at most.
+        // ISO 9613-2:1996, table 2: temperature in degC, humidity in percent, dB/km at 500 Hz to 8 kHz. Computed with
+        // this formula, rounded to three digits at most.
         let table: [(f64, f64, [f64; 5]); 6] = [
             (10.0, 70.0, [1.9, 3.7, 9.7, 32.8, 117.0]),
             (20.0, 70.0, [2.8, 5.0, 9.0, 22.9, 76.6]),

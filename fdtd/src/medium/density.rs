@@ -4,13 +4,13 @@
 const GAS_CONSTANT: f64 = 8.314_472;
 /// Molar mass of dry air with 400 parts per million of carbon dioxide, kg/mol.
 const DRY_AIR: f64 = 28.965_46e-3;
-/// What a mole fraction of carbon dioxide above that adds (it takes the place of oxygen), kg/mol.
+/// Added molar mass per mole fraction of carbon dioxide above that (it takes the place of oxygen), kg/mol.
 const CARBON: f64 = 12.011e-3;
 /// Molar mass of water, kg/mol.
 const WATER: f64 = 18.015_28e-3;
 
-/// Density in kg/m^3; temperature in degC, pressure in pascals, mole fractions of water vapour and carbon dioxide. Good to 22 parts per
-/// million from 15 to 27 degC and 60 to 110 kPa.
+/// Density in kg/m^3; temperature in degC, pressure in pascals, mole fractions of water vapour and carbon dioxide. Good
+/// to 22 parts per million from 15 to 27 degC and 60 to 110 kPa.
 pub(super) fn cipm2007_kgpm3(t: f64, p: f64, water: f64, carbon_dioxide: f64) -> f64 {
     let kelvin = t + 273.15;
     let molar_mass = DRY_AIR + CARBON * (carbon_dioxide - 4e-4);
@@ -44,7 +44,8 @@ mod tests {
 
     #[test]
     fn humid_air_agrees_with_the_approximate_formula_of_oiml_r111() {
-        // OIML R 111-1, eq. (E.3-1): p in hPa, h in percent; relative uncertainty 2e-4 from 900 to 1100 hPa, 10 to 30 degC, below 80 %.
+        // OIML R 111-1, eq. (E.3-1): p in hPa, h in percent; relative uncertainty 2e-4 from 900 to 1100 hPa, 10 to 30
+        // degC, below 80 %.
         for (t, percent, p) in [
             (20.0, 50.0, STANDARD_PRESSURE_PA),
             (12.0, 30.0, 95e3),

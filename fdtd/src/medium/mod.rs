@@ -7,7 +7,7 @@ pub mod absorption;
 mod density;
 mod sound_speed;
 
-use crate::Error;
+use crate::error::Error;
 use crate::grid::Medium;
 
 /// Pressure of the standard atmosphere in pascals.
@@ -22,8 +22,8 @@ pub const TEMPERATURES_DEGC: [f64; 2] = [0.0, 30.0];
 /// Relative humidities in percent that are accepted.
 pub const HUMIDITIES_PERCENT: [f64; 2] = [0.0, 100.0];
 
-/// Pressures in pascals that are accepted: where CIPM-2007 holds. Cramer's polynomial is fitted from 75 to 102 kPa; in the rest of this range its
-/// pressure terms are below 0.03 m/s.
+/// Pressures in pascals that are accepted: where CIPM-2007 holds. Cramer's polynomial is fitted from 75 to 102 kPa; in
+/// the rest of this range its pressure terms are below 0.03 m/s.
 pub const PRESSURES_PA: [f64; 2] = [60e3, 110e3];
 
 /// Air at rest by its weather.
@@ -47,7 +47,8 @@ pub struct Air {
 }
 
 impl Air {
-    /// Refuses what lies outside the formulas' ranges. `origin` is the file, `at` what stands before a field's name (`medium.`, `--`).
+    /// Refuses what lies outside the formulas' ranges. `origin` is the file, `at` what stands before a field's name
+    /// (`medium.`, `--`).
     ///
     /// # Errors
     /// [`Error::Invalid`] that names the field and its range.
@@ -85,8 +86,8 @@ impl Air {
         self.temperature_degc + 273.15
     }
 
-    /// Mole fraction of water vapour: humidity times enhancement factor times saturation pressure over pressure (CIPM-2007: Picard et
-    /// al. 2008, eqs. A1.1 to A1.3).
+    /// Mole fraction of water vapour: humidity times enhancement factor times saturation pressure over pressure
+    /// (CIPM-2007: Picard et al. 2008, eqs. A1.1 to A1.3).
     pub fn water_vapour(&self) -> f64 {
         let (t, kelvin, p) = (
             self.temperature_degc,

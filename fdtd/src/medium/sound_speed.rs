@@ -20,8 +20,9 @@ const A: [f64; 16] = [
     0.000_486,
 ];
 
-/// Speed of sound at zero frequency in m/s; temperature in degC, pressure in pascals, mole fractions of water vapour and carbon dioxide.
-/// Fitted from 0 to 30 degC, 75 to 102 kPa, up to 0.06 and 0.01; off the theory by less than 300 parts per million.
+/// Speed of sound at zero frequency in m/s; temperature in degC, pressure in pascals, mole fractions of water vapour
+/// and carbon dioxide. Fitted from 0 to 30 degC, 75 to 102 kPa, up to 0.06 and 0.01; off the theory by less than 300
+/// parts per million.
 pub(super) fn cramer_mps(t: f64, p: f64, water: f64, carbon_dioxide: f64) -> f64 {
     let squared = |first: usize| A[first] + t * (A[first + 1] + t * A[first + 2]);
     squared(0)
@@ -54,8 +55,8 @@ mod tests {
 
     #[test]
     fn humid_air_is_faster_by_theory() {
-        // Vapour of mole fraction x changes molar mass and ratio of specific heats: c rises by about 0.16 x (Bohn 1988: 0.3 % from dry to
-        // saturated at 20 degC).
+        // Vapour of mole fraction x changes molar mass and ratio of specific heats: c rises by about 0.16 x (Bohn 1988:
+        // 0.3 % from dry to saturated at 20 degC).
         let speed = |relative_humidity_percent: f64| {
             Air {
                 temperature_degc: 20.0,

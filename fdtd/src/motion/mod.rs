@@ -1,49 +1,16 @@
 //! How the robot drives: a pose and its speeds at any time, smooth enough to drive a sound source.
 
-mod legs;
 mod samples;
+mod state;
+mod velocity_commands;
 
-pub use legs::{DriveLimits, Leg};
 pub use samples::PoseSample;
+pub(crate) use state::relocate;
+pub use state::{MAX_DURATION_S, MAX_SPEED_MPS, MAX_TURN_RADPS, MotionState};
+pub use velocity_commands::{DriveLimits, VelocityCommand};
 
 use crate::error::Error;
 use std::path::Path;
-
-/// Longest drive that is accepted, in seconds.
-pub const MAX_DURATION_S: f64 = 3600.0;
-/// Fastest turn that is accepted, in rad/s.
-pub const MAX_TURN_RADPS: f64 = 20.0;
-/// Fastest drive that is accepted, in m/s. [`crate::scene::Scene::check`] asks for less: half the speed of sound.
-pub const MAX_SPEED_MPS: f64 = 1000.0;
-
-/// Pose and speeds of the robot at one time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MotionState {
-    /// Position of the robot's centre in metres.
-    pub x_m: f64,
-    /// Position of the robot's centre in metres.
-    pub y_m: f64,
-    /// Heading in radians, counter-clockwise from +x, continuous (not wrapped).
-    pub heading_rad: f64,
-    /// Speed along the heading in m/s.
-    pub v_mps: f64,
-    /// Turn rate in rad/s, counter-clockwise.
-    pub omega_radps: f64,
-}
-
-impl MotionState {
-    /// World point in metres of the robot-frame offset `[forward, left]` in metres.
-    pub fn point(&self, offset_m: [f64; 2]) -> [f64; 2] {
-        if offset_m == [0.0, 0.0] {
-            return [self.x_m, self.y_m];
-        }
-        let (sin, cos) = self.heading_rad.sin_cos();
-        [
-            self.x_m + cos * offset_m[0] - sin * offset_m[1],
-            self.y_m + sin * offset_m[0] + cos * offset_m[1],
-        ]
-    }
-}
 
 /// A drive: from time 0 to [`DrivePath::duration_s`] the robot has a pose that is C1 smooth in time.
 #[derive(Debug, Clone)]
@@ -53,44 +20,48 @@ pub struct DrivePath {
 
 #[derive(Debug, Clone)]
 enum Course {
-    Legs(legs::LegCourse),
+    Commands(velocity_commands::CommandedCourse),
     Samples(samples::SampledCourse),
 }
 
 impl DrivePath {
-    /// A drive from `start` through `legs`, each with a commanded speed and turn rate that the robot approaches with
-    /// limited accelerations.
+    /// A drive from `start` through `commands`, each with a commanded speed and turn rate that the robot approaches
+    /// with limited accelerations.
     ///
     /// `start` holds the speeds at time 0 too: zeros for a robot that starts at rest.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with origin `path` when there is no leg, a number is not finite or out of range, or the legs
-    /// last longer than [`MAX_DURATION_S`] together.
-    pub fn from_legs(start: MotionState, legs: &[Leg], limits: DriveLimits) -> Result<Self, Error> {
-        let course = legs::LegCourse::new(start, legs, limits)?;
+    /// [`Error::Invalid`] with origin `path` when there is no command, a number is not finite or out of range, or the
+    /// commands last longer than [`MAX_DURATION_S`] together.
+    pub fn from_commands(
+        start: MotionState,
+        commands: &[VelocityCommand],
+        limits: DriveLimits,
+    ) -> Result<Self, Error> {
+        let course = velocity_commands::CommandedCourse::new(start, commands, limits)?;
         Ok(Self {
-            course: Course::Legs(course),
+            course: Course::Commands(course),
         })
     }
 
     /// A drive with the constant speed and turn rate of `start`: rest, a straight line or a circle.
     ///
     /// # Errors
-    /// As [`DrivePath::from_legs`].
+    /// As [`DrivePath::from_commands`].
     pub fn uniform(start: MotionState, duration_s: f64) -> Result<Self, Error> {
-        let leg = Leg {
+        let command = VelocityCommand {
             duration_s,
             v_mps: start.v_mps,
             omega_radps: start.omega_radps,
         };
-        Self::from_legs(start, &[leg], DriveLimits::default())
+        Self::from_commands(start, &[command], DriveLimits::default())
     }
 
     /// A drive through measured poses, joined by cubic splines; time 0 is the first sample.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with origin `path` when there are fewer than two samples, a number is not finite or the times do
-    /// not increase.
+    /// [`Error::Invalid`] with origin `path` when there are fewer than two samples, a number is not finite or the times
+    /// do not increase.
     pub fn from_samples(samples: &[PoseSample]) -> Result<Self, Error> {
         let course = samples::SampledCourse::new(samples)?;
         Ok(Self {
@@ -111,16 +82,16 @@ impl DrivePath {
     /// Length of the drive in seconds.
     pub fn duration_s(&self) -> f64 {
         match &self.course {
-            Course::Legs(course) => course.duration_s(),
+            Course::Commands(course) => course.duration_s(),
             Course::Samples(course) => course.duration_s(),
         }
     }
 
-    /// Pose and speeds at time `t_s`, which is clamped to the drive. Costs about 0.1 us; the position is exact to better than 1 um.
+    /// Pose and speeds at time `t_s`, which is clamped to the drive; the position is exact to better than 1 um.
     pub fn state_at(&self, t_s: f64) -> MotionState {
         let t_s = t_s.clamp(0.0, self.duration_s());
         match &self.course {
-            Course::Legs(course) => course.state_at(t_s),
+            Course::Commands(course) => course.state_at(t_s),
             Course::Samples(course) => course.state_at(t_s),
         }
     }
@@ -133,21 +104,8 @@ impl DrivePath {
     /// A bound on the speed in m/s of any point of the robot within `radius_m` of its centre.
     pub fn max_speed_mps(&self, radius_m: f64) -> f64 {
         match &self.course {
-            Course::Legs(course) => course.max_speed_mps(radius_m),
+            Course::Commands(course) => course.max_speed_mps(radius_m),
             Course::Samples(course) => course.max_speed_mps(radius_m),
         }
-    }
-}
-
-/// The same error said about another file, with `prefix` before the field's path.
-pub(crate) fn relocate(error: Error, origin: impl std::fmt::Display, prefix: &str) -> Error {
-    match error {
-        Error::Invalid {
-            field,
-            problem,
-            remedy,
-            ..
-        } => Error::invalid(origin, format!("{prefix}{field}"), problem, remedy),
-        other => other,
     }
 }

@@ -1,6 +1,6 @@
 //! A drive through measured poses, joined by cubic splines that are C2 in x, y and heading.
 
-use super::{MAX_DURATION_S, MAX_SPEED_MPS, MAX_TURN_RADPS, MotionState, relocate};
+use super::state::{MAX_DURATION_S, MAX_SPEED_MPS, MAX_TURN_RADPS, MotionState, relocate};
 use crate::error::Error;
 use std::path::Path;
 

@@ -1,10 +1,10 @@
 //! Checks of the numbers of a scene, and of its walls.
 
-use super::{MIN_CELLS_PER_WAVELENGTH, MIN_LAYER_CELLS, MIN_WALL_CELLS, Scene};
+use super::model::{MIN_CELLS_PER_WAVELENGTH, MIN_LAYER_CELLS, MIN_WALL_CELLS, Scene};
 use crate::error::Error;
 use crate::grid::Grid;
 
-/// What a cell of the field takes at the very least: two time levels, the next one and the layer's share, as `f32`.
+/// Least memory of a cell of the field: two time levels, the next one and the layer's share, as `f32`.
 const BYTES_PER_CELL: u64 = 16;
 /// Most cells along one axis; positions in cells stay exact in `f32`.
 const MAX_CELLS: usize = 1 << 20;
@@ -247,7 +247,7 @@ impl Checker<'_> {
         let Scene {
             grid, layer_cells, ..
         } = self.scene;
-        // The layer's slopes do not know faces that a wall closes: its stencil must not reach one.
+        // The layer's slopes ignore faces that a wall closes: its stencil must not reach one.
         let reach = self.scene.scheme.radius();
         let layer_m = (layer_cells + reach) as f64 * grid.dx_m;
         let [width_m, height_m] = grid.size_m();

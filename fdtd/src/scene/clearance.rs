@@ -1,6 +1,6 @@
 //! Whether the loudspeaker and the microphone keep clear of walls and of the absorbing layer on every drive.
 
-use super::Scene;
+use super::model::Scene;
 use crate::error::Error;
 use crate::motion::DrivePath;
 use crate::walls::{Wall, WallCells, cell_centre_m};

@@ -1,9 +1,9 @@
 //! The scene file as written: flat structs that deny unknown fields.
 
 use super::locate::describe;
+use super::model::{Robot, Scene, WaveformSpec};
 use super::path_file::PathFile;
 use super::wall_file::WallFile;
-use super::{Robot, Scene, WaveformSpec};
 use crate::error::Error;
 use crate::grid::{Grid, Medium};
 use crate::medium::{Air, STANDARD_PRESSURE_PA};
@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A scene: medium, grid, absorbing layer, rigid walls, waveform, robot and named drive paths. SI units, radians; x right, y up,
-/// origin at the lower left corner of the domain.
+/// A scene: medium, grid, absorbing layer, rigid walls, waveform, robot and named drive paths. SI units, radians; x
+/// right, y up, origin at the lower left corner of the domain.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Scene")]
@@ -26,7 +26,7 @@ pub(super) struct SceneFile {
     _schema: Option<String>,
     /// Short name, for titles.
     name: String,
-    /// What the scene shows.
+    /// Description of the scene.
     #[serde(default)]
     description: String,
     /// The air.
@@ -49,7 +49,7 @@ pub(super) struct SceneFile {
     /// How the walls become cells of the grid.
     #[serde(default)]
     wall_model: WallModel,
-    /// What the loudspeaker repeats.
+    /// The signal that the loudspeaker repeats.
     #[serde(default)]
     waveform: WaveformSpec,
     /// Sampling rate of the microphone signal in hertz.
@@ -63,8 +63,8 @@ pub(super) struct SceneFile {
     paths: BTreeMap<String, PathFile>,
 }
 
-/// The air at rest, by its numbers (`c_mps` and `rho_kgpm3`) or by its weather (`temperature_degc` and `relative_humidity_percent`, with
-/// `pressure_pa` if it is not the standard atmosphere's), not both.
+/// The air at rest, by its numbers (`c_mps` and `rho_kgpm3`) or by its weather (`temperature_degc` and
+/// `relative_humidity_percent`, with `pressure_pa` if it is not the standard atmosphere's), not both.
 #[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Medium")]
@@ -189,7 +189,8 @@ impl MediumFile {
     /// The medium, and the air behind it where it is given by its weather.
     fn resolve(self, origin: &str) -> Result<(Medium, Option<Air>), Error> {
         let refuse = |problem: &str| {
-            let remedy = "give `temperature_degc` and `relative_humidity_percent` (and `pressure_pa`), or `c_mps` and `rho_kgpm3`";
+            let remedy = "give `temperature_degc` and `relative_humidity_percent` (and `pressure_pa`), \
+                          or `c_mps` and `rho_kgpm3`";
             Err(Error::invalid(origin, "medium", problem, remedy))
         };
         let plain = self.c_mps.is_some() || self.rho_kgpm3.is_some();

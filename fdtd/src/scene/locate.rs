@@ -3,7 +3,7 @@
 use crate::error::Error;
 use std::path::Path;
 
-/// What surrounds a place in a JSON text.
+/// An object or array around a place in a JSON text.
 enum Frame {
     /// In an object, at or after this key (empty before the first).
     Object(String),

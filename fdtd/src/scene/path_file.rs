@@ -1,7 +1,7 @@
 //! A drive as a scene file has it: start and legs, or a file of poses.
 
 use crate::error::Error;
-use crate::motion::{DriveLimits, DrivePath, Leg, MotionState, relocate};
+use crate::motion::{DriveLimits, DrivePath, MotionState, VelocityCommand, relocate};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -87,7 +87,7 @@ impl PathFile {
         match (self.start, self.legs, self.file) {
             (None, None, Some(file)) if !limited => DrivePath::read(&origin.with_file_name(file)),
             (Some(start), Some(legs), None) => {
-                let legs: Vec<Leg> = legs.iter().map(LegFile::leg).collect();
+                let legs: Vec<VelocityCommand> = legs.iter().map(LegFile::leg).collect();
                 let usual = DriveLimits::default();
                 let limits = DriveLimits {
                     acceleration_mps2: self.acceleration_mps2.unwrap_or(usual.acceleration_mps2),
@@ -95,7 +95,7 @@ impl PathFile {
                         .angular_acceleration_radps2
                         .unwrap_or(usual.angular_acceleration_radps2),
                 };
-                DrivePath::from_legs(start.state(), &legs, limits)
+                DrivePath::from_commands(start.state(), &legs, limits)
                     .map_err(|error| relocate(error, origin.display(), &format!("paths.{name}.")))
             }
             (_, _, Some(_)) => refuse("`file` stands beside fields of a commanded drive"),
@@ -118,8 +118,8 @@ impl StartFile {
 }
 
 impl LegFile {
-    fn leg(&self) -> Leg {
-        Leg {
+    fn leg(&self) -> VelocityCommand {
+        VelocityCommand {
             duration_s: self.duration_s,
             v_mps: self.v_mps,
             omega_radps: self.omega_radps,

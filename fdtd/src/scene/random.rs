@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 
-use crate::motion::{DriveLimits, DrivePath, Leg, MotionState};
+use crate::motion::{DriveLimits, DrivePath, MotionState, VelocityCommand};
 
 /// Arrangement of the walls of a random layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -258,7 +258,7 @@ fn drive(layout: &Layout, explores: bool, random: &mut ChaCha8Rng) -> Option<Val
             let left_s =
                 rounding(DURATION_S - driven.iter().map(|part| part.leg.duration_s).sum::<f64>());
             if left_s <= 1e-9 {
-                let legs: Vec<Leg> = driven.iter().map(|part| part.leg).collect();
+                let legs: Vec<VelocityCommand> = driven.iter().map(|part| part.leg).collect();
                 return Some(drive_file(&start, &legs));
             }
             let now = driven.last().map_or(start, |part| part.end);
@@ -289,15 +289,15 @@ fn drive(layout: &Layout, explores: bool, random: &mut ChaCha8Rng) -> Option<Val
 
 /// A leg that was driven.
 struct Driven {
-    leg: Leg,
+    leg: VelocityCommand,
     end: MotionState,
     places: Vec<Point>,
 }
 
 impl Driven {
     /// A leg from a state on; none when it is no drive.
-    fn new(from: MotionState, leg: Leg) -> Option<Self> {
-        let path = DrivePath::from_legs(from, &[leg], DriveLimits::default()).ok()?;
+    fn new(from: MotionState, leg: VelocityCommand) -> Option<Self> {
+        let path = DrivePath::from_commands(from, &[leg], DriveLimits::default()).ok()?;
         let looks = (leg.duration_s / LOOK_S).ceil() as usize;
         let at = |look| path.point_at(leg.duration_s * look as f64 / looks as f64, [0.0; 2]);
         Some(Self {
@@ -321,10 +321,10 @@ impl Driven {
 }
 
 /// A leg at random, no longer than `left_s`.
-fn leg(left_s: f64, random: &mut ChaCha8Rng) -> Leg {
+fn leg(left_s: f64, random: &mut ChaCha8Rng) -> VelocityCommand {
     let duration_s = f64::from(random.random_range(10..=45)) / 10.0;
     let turns = random.random_bool(0.7);
-    Leg {
+    VelocityCommand {
         duration_s: rounding(duration_s.min(left_s)),
         v_mps: rounding(random.random_range(0.2..0.4)),
         omega_radps: if turns {
@@ -335,7 +335,7 @@ fn leg(left_s: f64, random: &mut ChaCha8Rng) -> Leg {
     }
 }
 
-fn drive_file(start: &MotionState, legs: &[Leg]) -> Value {
+fn drive_file(start: &MotionState, legs: &[VelocityCommand]) -> Value {
     let legs: Vec<Value> = legs
         .iter()
         .map(|leg| json!({"duration_s": leg.duration_s, "v_mps": leg.v_mps, "omega_radps": leg.omega_radps}))

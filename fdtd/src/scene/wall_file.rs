@@ -47,7 +47,8 @@ fn default_thickness_m() -> f64 {
     0.02
 }
 
-/// Largest resistance and inertance, in their units; stiffness in Pa/m may be as large squared. Far beyond any wall, and within what the arithmetic bears.
+/// Largest resistance and inertance, in their units; stiffness in Pa/m may be as large squared. Far beyond any wall,
+/// and within what the arithmetic bears.
 const MOST: f64 = 1e9;
 
 /// Field, problem and remedy.

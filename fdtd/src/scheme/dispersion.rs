@@ -29,8 +29,8 @@ impl Polynomial {
         Some(0.5 * (low + high))
     }
 
-    /// Phase velocity over the speed of sound of a plane wave with `omega_dt` radians per step at `angle_rad` from the x
-    /// axis; `None` above the cut-off frequency of that direction.
+    /// Phase velocity over the speed of sound of a plane wave with `omega_dt` radians per step at `angle_rad` from the
+    /// x axis; `None` above the cut-off frequency of that direction.
     pub fn phase_velocity(&self, omega_dt: f64, angle_rad: f64) -> Option<f64> {
         self.wave_number(omega_dt, angle_rad)
             .map(|k| omega_dt / (k * self.courant))
@@ -49,7 +49,8 @@ impl Polynomial {
 mod tests {
     use crate::scheme::Scheme;
 
-    /// The figures quoted in docs/theory/schemes.md: errors in per cent at 10 kHz on the papers' grid, axis and diagonal.
+    /// The figures quoted in docs/theory/schemes.md: errors in per cent at 10 kHz on the papers' grid, axis and
+    /// diagonal.
     #[test]
     fn errors_at_the_carrier_on_the_papers_grid() {
         let courant = 340.0 / 120_000.0 / 0.005;
@@ -75,8 +76,8 @@ mod tests {
         }
     }
 
-    /// Where an echo appears is the group velocity's matter: its largest error over all directions, in per cent, up to each
-    /// frequency on the papers' grid.
+    /// Where an echo appears is the group velocity's matter: its largest error over all directions, in per cent, up to
+    /// each frequency on the papers' grid.
     #[test]
     fn the_optimised_13_points_keep_the_group_velocity_to_13_khz() {
         let courant = 340.0 / 120_000.0 / 0.005;

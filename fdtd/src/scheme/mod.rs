@@ -26,16 +26,18 @@ pub enum Scheme {
     Slf,
     /// 13-point modified equation, fourth order in space and time.
     M13,
-    /// 13 points, optimised for a small error of the group velocity up to 5.2 cells per wavelength (13 kHz on the papers' grid).
+    /// 13 points, optimised for a small error of the group velocity up to 5.2 cells per wavelength (13 kHz on the
+    /// papers' grid).
     O13,
-    /// 25 points, optimised for a small error of the phase velocity up to 3.8 cells per wavelength (18 kHz on the papers' grid).
+    /// 25 points, optimised for a small error of the phase velocity up to 3.8 cells per wavelength (18 kHz on the
+    /// papers' grid).
     D25,
 }
 
 /// Weights that one Courant number gives a scheme, exact in `f32`.
 ///
 /// The coefficients are rounded to multiples of 2^-22, so that every stencil weight and every sum of weights, at
-/// walls too, is exact: the rows of the operator sum to exactly zero, as the wave equation between rigid walls asks.
+/// walls too, is exact: the rows of the operator sum to exactly zero, as for the wave equation between rigid walls.
 ///
 /// ```
 /// use fdtd::scheme::Scheme;
@@ -73,9 +75,10 @@ pub struct Weights {
 }
 
 impl Weights {
-    /// What the absorbing layer takes the second difference of: weights of the cell, of its two neighbours along the
-    /// absorbed axis and of the two across it, of the two at distance two along it, and of the four diagonal ones. Writing the
-    /// scheme as `A(a + b A + m B/2 + c A^2 + t BA) + B(a + b B + m A/2 + c B^2 + t AB)`, they are the brackets over `a`.
+    /// Quantity whose second difference the absorbing layer takes: weights of the cell, of its two neighbours along the
+    /// absorbed axis and of the two across it, of the two at distance two along it, and of the four diagonal ones.
+    /// Writing the scheme as `A(a + b A + m B/2 + c A^2 + t BA) + B(a + b B + m A/2 + c B^2 + t AB)`, they are the
+    /// brackets over `a`.
     pub fn layer(&self) -> [f32; 5] {
         let [linear, square, mixed, cube, cross] =
             [self.linear, self.square, self.mixed, self.cube, self.cross].map(f64::from);
@@ -92,7 +95,7 @@ impl Weights {
     }
 }
 
-/// What is taken from the centre weight against drift: a stiffness that turns the constant mode into an oscillation of
+/// Reduction of the centre weight against drift: a stiffness that turns the constant mode into an oscillation of
 /// about 7 Hz at the papers' step. Without it the rounding errors of an `f32` leapfrog are summed twice and the mean
 /// pressure between rigid walls wanders off over millions of steps; with it they stay bounded. At 2 kHz it changes the
 /// speed of sound by less than 1e-5.

@@ -1,37 +1,41 @@
 //! Checkpoints: the state of a run on disk.
 //!
-//! A line of text that says what run it is, then the lengths of six arrays as little-endian `u64`, then the arrays as little-endian `f32`: what was
-//! heard (after every step, warm-ups included, so that its length tells the piece), pressure, previous pressure, layer memory along x and y, what
-//! walls that are not rigid remember; then a digest of all.
+//! A line of text that identifies the run, then the lengths of six arrays as little-endian `u64`, then the arrays as
+//! little-endian `f32`: the received signal (after every step, warm-ups included, so that its length determines the
+//! segment), pressure, previous pressure, layer memory along x and y, memory of walls that are not rigid; then a digest
+//! of all.
 
+use std::hash::Hasher;
 use std::io::Write;
 use std::path::Path;
 
-use super::pieces::Window;
-use super::{Domain, Simulation};
-use crate::Error;
+use fnv::FnvHasher;
+
+use super::Simulation;
+use super::domain::Domain;
+use super::segments::Window;
+use crate::error::Error;
 use crate::field::FieldState;
 use crate::walls::Opening;
 
 const MAGIC: &str = "fdtd checkpoint 6";
 
-/// FNV-1a over whole numbers: enough to tell inputs apart and to notice a damaged file.
+/// FNV-1a over the little-endian bytes of whole numbers: enough to distinguish inputs and to detect a damaged file.
 fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
-    numbers
-        .into_iter()
-        .flat_map(u64::to_le_bytes)
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        })
+    let mut hasher = FnvHasher::default();
+    for number in numbers {
+        hasher.write(&number.to_le_bytes());
+    }
+    hasher.finish()
 }
 
-fn save(file: &Path, fingerprint: &str, heard: &[f32], state: &FieldState) -> Result<(), Error> {
+fn save(file: &Path, fingerprint: &str, received: &[f32], state: &FieldState) -> Result<(), Error> {
     let temporary = file.with_extension("tmp");
     let write = || -> std::io::Result<()> {
         let mut out = std::io::BufWriter::new(std::fs::File::create(&temporary)?);
         writeln!(out, "{MAGIC} {fingerprint}")?;
         let arrays = [
-            heard,
+            received,
             &state.pressure,
             &state.previous,
             &state.layer_x,
@@ -114,9 +118,9 @@ fn load(file: &Path, fingerprint: &str) -> Result<(Vec<f32>, FieldState), Error>
     if content_digest(&arrays.each_ref().map(Vec::as_slice)) != expected {
         return Err(wrong("is damaged"));
     }
-    let [heard, pressure, previous, layer_x, layer_y, surfaces] = arrays;
+    let [received, pressure, previous, layer_x, layer_y, surfaces] = arrays;
     Ok((
-        heard,
+        received,
         FieldState {
             pressure,
             previous,
@@ -133,7 +137,12 @@ impl Simulation {
     /// # Errors
     /// [`Error::Io`] when it cannot be written.
     pub fn save_checkpoint(&self, file: &Path) -> Result<(), Error> {
-        save(file, &self.fingerprint(), &self.heard, &self.field.state())
+        save(
+            file,
+            &self.fingerprint(),
+            &self.received,
+            &self.field.state(),
+        )
     }
 
     /// Continues from a checkpoint: the run then gives the same bytes as one without an interruption.
@@ -141,12 +150,12 @@ impl Simulation {
     /// # Errors
     /// [`Error::Io`] when it cannot be read, [`Error::Checkpoint`] when it is damaged or belongs to other inputs.
     pub fn load_checkpoint(&mut self, file: &Path) -> Result<(), Error> {
-        let (heard, state) = load(file, &self.fingerprint())?;
-        self.heard = heard;
-        // The state is that after the last step, not yet the silence before the next piece.
+        let (received, state) = load(file, &self.fingerprint())?;
+        self.received = received;
+        // The state is that after the last step, not yet the silence before the next segment.
         self.enter(self.plan.index_at(self.step().saturating_sub(1)));
         self.field.set_state(&state);
-        self.watch.note(self.drive.loudest(self.drive_step()));
+        self.watch.note(self.pair.loudest(self.drive_step()));
         Ok(())
     }
 
@@ -181,20 +190,21 @@ impl Simulation {
             [ix, iy].into_iter().chain(numbers.map(f64::to_bits))
         });
         let walls = digest(solid.chain(parts).chain(surfaces));
-        let pieces = &self.plan.pieces;
-        let steps = pieces.last().map_or(0, |piece| piece.to);
+        let segments = &self.plan.segments;
+        let steps = segments.last().map_or(0, |segment| segment.to);
         let drive = digest((0..=64).flat_map(|k| {
-            self.drive
+            self.pair
                 .sample(k as f64 / 64.0 * steps as f64 * grid.dt_s)
                 .map(f64::to_bits)
         }));
-        let whole = pieces.len() == 1 && pieces[0].window == Window::whole(&self.domain);
-        let plan = match pieces.len() {
+        let whole = segments.len() == 1 && segments[0].window == Window::whole(&self.domain);
+        let plan = match segments.len() {
             _ if whole => String::new(),
             count => format!(" in {count} pieces {:016x}", digest(self.plan.numbers())),
         };
         format!(
-            "{grid:?} {medium:?} {scheme} {spread} layer {layer_cells} walls {walls:016x} drive {drive:016x} steps {steps}{plan}"
+            "{grid:?} {medium:?} {scheme} {spread} layer {layer_cells} walls {walls:016x} \
+             drive {drive:016x} steps {steps}{plan}"
         )
     }
 }

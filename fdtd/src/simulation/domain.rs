@@ -1,9 +1,10 @@
 //! The domain of a run: the scene's, or an open one cropped to the drive.
 //!
-//! Absorbing layers stand for air without end, and it is the same wherever they begin: so air beyond walls and drive costs nothing.
+//! Absorbing layers stand for air without end, and it is the same wherever they begin: so air beyond walls and drive
+//! costs nothing.
 
-use super::SimulationOptions;
-use crate::Error;
+use super::options::SimulationOptions;
+use crate::error::Error;
 use crate::grid::{Grid, Medium};
 use crate::scene::Scene;
 use crate::scheme::Scheme;
@@ -63,8 +64,8 @@ impl Domain {
         })
     }
 
-    /// Crops an open domain to the drive, its clearance and the layer; returns the new origin in metres, a whole number of
-    /// cells, so that points keep their place within a cell.
+    /// Crops an open domain to the drive, its clearance and the layer; returns the new origin in metres, a whole number
+    /// of cells, so that points keep their place within a cell.
     pub(super) fn crop(
         &mut self,
         duration_s: f64,

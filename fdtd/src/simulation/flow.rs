@@ -1,15 +1,15 @@
-//! How a run goes on and ends.
+//! Progress, control and end of a run.
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// Steps done, warm-ups of a free field's pieces included.
+    /// Steps done, warm-ups of a free field's segments included.
     pub step: u64,
     /// Steps in all, likewise.
     pub steps_total: u64,
 }
 
-/// What an observer wants.
+/// Decision of an observer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flow {
     /// Go on.
@@ -29,7 +29,7 @@ pub enum Outcome {
     Stopped,
 }
 
-/// Times at which an observer wants to look: every so many steps of the drive, each to the nearest step.
+/// Times of calls of an observer: every so many steps of the drive, each to the nearest step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rhythm {
     /// Steps between two looks, one or more, not whole in general.

@@ -15,12 +15,13 @@ pub struct SimulationOptions {
     pub wall_model: Option<WallModel>,
     /// Threads; 0 for all cores.
     pub threads: usize,
-    /// Without walls, in pieces of time whose domains are cropped to where the drive is then.
+    /// Without walls, in segments of time whose domains are cropped to where the drive is then.
     pub free_field: bool,
-    /// All of the scene's domain, air beyond the walls and the drive too; for a free field, one piece around the whole drive. What cropped domains
-    /// and pieces are measured against.
+    /// All of the scene's domain, air beyond the walls and the drive too; for a free field, one segment around the
+    /// whole drive. What cropped domains and segments are measured against.
     pub whole_domain: bool,
-    /// Source strength times the time since the middle of the drive, which tells travel times ([`crate::medium::absorbed`]).
+    /// Source strength times the time since the middle of the drive, which gives travel times
+    /// ([`crate::medium::absorbed`]).
     pub stamped: bool,
     /// Use the plain engine, the oracle of the fast one.
     pub reference_engine: bool,

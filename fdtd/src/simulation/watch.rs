@@ -1,19 +1,20 @@
-//! A run watches itself: what no source can have made ends it.
+//! Stability watch of a run: a field that no source can have made ends it.
 //!
-//! The scheme is stable for every step that a scene may have (`docs/theory/stability.md`), so that this is for what nobody thought of: a defect of the
-//! solver, of the machine, or a domain put together by hand. Two things are looked at, some ten times in a second of sound, and what the microphone
-//! receives at every call of the observer. *Pressure*: of
-//! the source's strength `q` one step adds at most `A = rho c^2 dt |q| / (2 dx^2)` to a cell; near the source the pressure stays within a few times that, and
-//! where it meets nothing but rigid walls and a resonance, it grows by `4 rho c^2 / S` times the integral of `|q|` at most, `S` being the area of the
-//! air. *Energy*: while the source is silent it must not grow; it is the invariant of the leapfrog step,
-//! `|p' - p|^2 / 2 - p' . (p' - 2 p + p'') / 2`.
+//! The scheme is stable for every step that a scene may have (`docs/theory/stability.md`), so that this is for what
+//! nobody thought of: a defect of the solver, of the machine, or a domain put together by hand. Two things are looked
+//! at, some ten times in a second of sound, and what the microphone receives at every call of the observer. *Pressure*:
+//! of the source's strength `q` one step adds at most `A = rho c^2 dt |q| / (2 dx^2)` to a cell; near the source the
+//! pressure stays within a few times that, and where it meets nothing but rigid walls and a resonance, it grows by
+//! `4 rho c^2 / S` times the integral of `|q|` at most, `S` being the area of the air. *Energy*: while the source is
+//! silent it must not grow; it is the invariant of the leapfrog step, `|p' - p|^2 / 2 - p' . (p' - 2 p + p'') / 2`.
 
-use super::Domain;
-use super::pieces::Window;
-use crate::Error;
+use super::domain::Domain;
+use super::segments::Window;
+use crate::error::Error;
 use crate::field::{FieldState, StepForcing};
 
-/// Steps between two looks: a tenth of a second on the papers' grid, in which a mode that grows by 75 1/s does so by 65 dB.
+/// Steps between two looks: a tenth of a second on the papers' grid, in which a mode that grows by 75 1/s does so by 65
+/// dB.
 const STRIDE: u64 = 12_000;
 /// Pressure near the source over what one step adds.
 const NEAR: f64 = 10.0;
@@ -22,7 +23,7 @@ const GROWTH: f64 = 4.0;
 /// Pressure, as a part of what the source can make, below which energy is rounding.
 const FLOOR: f64 = 1e-6;
 
-/// What a run knows of itself.
+/// State of the watch of a run.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Watch {
     /// Step, warm-ups included, from which on the next look is due.
@@ -35,8 +36,8 @@ pub(super) struct Watch {
     first: Option<f64>,
 }
 
-/// What a look at the field needs.
-pub(super) struct Sight<'a> {
+/// Context of a check of the field.
+pub(super) struct FieldView<'a> {
     pub(super) domain: &'a Domain,
     pub(super) window: Window,
     pub(super) origin_m: [f64; 2],
@@ -61,14 +62,15 @@ impl Watch {
         self.loudest = self.loudest.max(loudest);
     }
 
-    /// Whether a look is due at `step`; if so, whether the energy is to be looked at, for which the field must be known a step before.
+    /// Whether a look is due at `step`; if so, whether the energy is to be looked at, for which the field must be known
+    /// a step before.
     pub(super) fn is_due(&self, step: u64) -> [bool; 2] {
         let due = step >= self.next;
         [due, due && self.silent]
     }
 
-    /// Pressure that the source can have made in so many steps with so many cells of air, Pa; without end while it has made no sound, for a field
-    /// may be given a pressure to start with.
+    /// Pressure that the source can have made in so many steps with so many cells of air, Pa; without end while it has
+    /// made no sound, for a field may be given a pressure to start with.
     pub(super) fn most(&self, steps: u64, cells: usize) -> f64 {
         if self.loudest == 0.0 {
             return f64::INFINITY;
@@ -85,15 +87,15 @@ impl Watch {
         step: u64,
         before: Option<&FieldState>,
         now: &FieldState,
-        sight: &Sight<'_>,
+        view: &FieldView<'_>,
     ) -> Result<(), Error> {
-        let cells = sight.window.nx * sight.window.ny;
-        let most = self.most(sight.steps, cells);
+        let cells = view.window.nx * view.window.ny;
+        let most = self.most(view.steps, cells);
         let (cell, peak) = peak(&now.pressure);
         if !peak.is_finite() || f64::from(peak) > most {
             let cause =
                 format!("{peak:e} Pa, where the source can have made {most:.3e} Pa at most");
-            return Err(sight.unstable(cell, cause));
+            return Err(view.unstable(cell, cause));
         }
         if let Some(before) = before {
             let energy = energy(before, &now.pressure);
@@ -104,7 +106,7 @@ impl Watch {
                     "the energy has grown {:.3e} times while the source was silent",
                     energy / first
                 );
-                return Err(sight.unstable(cell, cause));
+                return Err(view.unstable(cell, cause));
             }
         }
         self.next = step + STRIDE;
@@ -113,7 +115,7 @@ impl Watch {
     }
 }
 
-impl Sight<'_> {
+impl FieldView<'_> {
     fn unstable(&self, cell: usize, cause: String) -> Error {
         let (Window { first, nx, ny }, layer) = (self.window, self.domain.layer_cells);
         let at = [cell % nx, cell / nx];
@@ -154,7 +156,7 @@ fn energy(before: &FieldState, next: &[f32]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Drive, Flow, Simulation, SimulationOptions};
+    use super::super::{Flow, MovingPair, Simulation, SimulationOptions};
     use super::*;
     use crate::field::{FastField, FieldSetup};
     use crate::grid::{Grid, Medium};
@@ -189,7 +191,7 @@ mod tests {
                 0.0
             }
         };
-        let drive = Drive::new(
+        let pair = MovingPair::new(
             &domain,
             Box::new(place),
             Box::new(place),
@@ -200,12 +202,12 @@ mod tests {
             threads: 1,
             ..SimulationOptions::default()
         };
-        Simulation::from_parts(domain, drive, 1.0, 40e3, 14e3, &options).expect("it fits")
+        Simulation::from_parts(domain, pair, 1.0, 40e3, 14e3, &options).expect("it fits")
     }
 
     /// Runs a simulation whose step has a negative stiffness of so many quanta, so that its constant mode
     /// grows, from a little constant pressure.
-    fn sick(mut simulation: Simulation, quanta: f32) -> Error {
+    fn unstable(mut simulation: Simulation, quanta: f32) -> Error {
         let domain = simulation.domain();
         let mut setup = FieldSetup::new(
             &domain.grid,
@@ -227,7 +229,7 @@ mod tests {
     #[test]
     fn a_pressure_beyond_the_source_is_told_with_time_and_place() {
         let simulation = simulation(343.2, f64::INFINITY);
-        let sight = Sight {
+        let view = FieldView {
             domain: simulation.domain(),
             window: Window::whole(simulation.domain()),
             origin_m: [1.0, 2.0],
@@ -238,13 +240,13 @@ mod tests {
         let mut state = simulation.field.state();
         state.pressure[40 * SIDE + 3] = 300.0;
         assert!(
-            watch.look(1, None, &state, &sight).is_ok(),
+            watch.look(1, None, &state, &view).is_ok(),
             "an echo may be so loud"
         );
         for pressure in [-1e6, f32::INFINITY, f32::NAN] {
             state.pressure[40 * SIDE + 3] = pressure;
             let error = watch
-                .look(2, None, &state, &sight)
+                .look(2, None, &state, &view)
                 .expect_err("far too much");
             let Error::Unstable {
                 time_s,
@@ -264,7 +266,7 @@ mod tests {
     #[test]
     fn a_growing_field_ends_the_run_long_before_it_overflows() {
         for (c_mps, quanta) in [(333.0, 500.0), (343.2, 5000.0), (350.0, 2000.0)] {
-            let error = sick(simulation(c_mps, f64::INFINITY), quanta);
+            let error = unstable(simulation(c_mps, f64::INFINITY), quanta);
             let text = error.to_string();
             assert!(text.contains("the source can have made"), "{text}");
             let Error::Unstable { cause, .. } = error else {
@@ -279,7 +281,7 @@ mod tests {
 
     #[test]
     fn energy_that_grows_in_silence_ends_the_run_though_it_is_small() {
-        let error = sick(simulation(338.0, 0.0), 12.0);
+        let error = unstable(simulation(338.0, 0.0), 12.0);
         assert!(error.to_string().contains("source was silent"), "{error}");
     }
 

@@ -1,4 +1,4 @@
-//! Pieces of surface of walls of an impedance: where they lie, how long they are and which way they face.
+//! Surface elements of walls of an impedance: where they lie, how long they are and which way they face.
 
 use super::face_weights::FaceWeights;
 use super::rasterize::SolidMask;
@@ -10,12 +10,12 @@ use std::collections::BTreeMap;
 /// Distance in cell widths from the centre of a cell to its corners: walls farther away do not cut it.
 const FARTHEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// A piece of the surface of a wall of an impedance, within one cell.
+/// An element of the surface of a wall of an impedance, within one cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Load {
     /// Impedance of the surface.
     pub impedance: Impedance,
-    /// Length of the piece, in cell widths.
+    /// Length of the element, in cell widths.
     pub length: f64,
     /// Column and row of the cell in which it lies.
     pub cell: [usize; 2],
@@ -33,7 +33,7 @@ impl Load {
     }
 }
 
-/// The pieces of surface in `cells`, which maps cell indices to walls as [`impedance_cells`] does, in the order of
+/// The surface elements in `cells`, which maps cell indices to walls as [`impedance_cells`] does, in the order of
 /// the cells.
 pub(super) fn loads(
     faces: &FaceWeights<'_>,

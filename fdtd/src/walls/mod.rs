@@ -5,7 +5,7 @@
 //! * `rasterize`: the mask of solid cells, by cell centres;
 //! * `clip`: exact areas and lengths that convex shapes leave of cells and faces;
 //! * `face_weights`: open parts of faces, and the weights that stability leaves them;
-//! * `load`: pieces of surface of walls that carry an impedance (geometry only: [`crate::boundary`] designs their
+//! * `load`: surface elements of walls that carry an impedance (geometry only: [`crate::boundary`] designs their
 //!   reaction);
 //! * `slant`: changes of the operator in cells that slanted walls cut;
 //! * `wall_cells`: all walls of a grid as cells;

@@ -1,4 +1,4 @@
-//! A row of the wave operator, computed in a small piece of grid around its cell.
+//! A row of the wave operator, computed in a small part of the grid around its cell.
 
 use super::slant::place_in;
 use super::wall_cells::{Opening, WallCells};
@@ -12,7 +12,7 @@ pub(super) const WIDTH: usize = 2 * REACH as usize + 1;
 /// Numbers by cell of a patch, `[y][x]`.
 pub(super) type Values = [[f64; WIDTH]; WIDTH];
 
-/// Open areas and face weights in a small piece of grid around a cell.
+/// Open areas and face weights in a small part of the grid around a cell.
 pub(super) struct Patch {
     /// Open area of each cell; 0 in solid ones.
     pub(super) area: Values,

@@ -33,7 +33,7 @@ pub struct WallCells {
     solid: SolidMask,
     /// By index `iy nx + ix`; a fluid cell that is not in here is full and has open faces to fluid cells.
     partial: BTreeMap<usize, Opening>,
-    /// Pieces of surface of walls of an impedance, in the order of the cells in which they lie.
+    /// Surface elements of walls of an impedance, in the order of the cells in which they lie.
     loads: Vec<Load>,
     /// Changes of the operator in cells that slanted walls cut.
     slants: Slants,
@@ -51,7 +51,7 @@ impl WallCells {
         }
     }
 
-    /// The same with pieces of surface of walls of an impedance.
+    /// The same with surface elements of walls of an impedance.
     pub(super) fn with_loads(self, loads: Vec<Load>) -> Self {
         Self { loads, ..self }
     }
@@ -66,7 +66,7 @@ impl WallCells {
         (self.solid.index(ix, iy)).and_then(|cell| self.slants.get(&cell))
     }
 
-    /// The pieces of surface of walls of an impedance, in the order of the cells in which they lie.
+    /// The surface elements of walls of an impedance, in the order of the cells in which they lie.
     pub fn loads(&self) -> &[Load] {
         &self.loads
     }

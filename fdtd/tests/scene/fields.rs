@@ -1,4 +1,4 @@
-//! Fields arrive where they belong, have the defaults that the documentation tells, and are in the schema.
+//! Fields arrive where they belong, have the documented defaults, and are in the schema.
 
 use crate::{read, refusal, scenes, small, with};
 use fdtd::scene::Scene;

@@ -203,7 +203,7 @@ fn the_site_has_corner_echoes_up_to_six_metres_and_speeds_of_the_paper() {
         scene.robot.microphone_offset_m,
     ];
     assert!(((from[0] - to[0]).hypot(from[1] - to[1]) - 0.1).abs() < 1e-9);
-    // One wall of two pieces with a right angle at its apex; the others are single and at right angles to nothing.
+    // One wall of two parts with a right angle at its apex; the others are single and at right angles to nothing.
     let corners: Vec<_> = scene
         .walls
         .iter()

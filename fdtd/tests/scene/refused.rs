@@ -1,4 +1,4 @@
-//! What cannot be simulated is refused, with file, field and remedy.
+//! Scenes that cannot be simulated are refused, with file, field and remedy.
 
 use crate::{read, refusal, small, with};
 use fdtd::scene::Scene;
@@ -109,7 +109,7 @@ fn steps_and_bands_beyond_the_limits_are_refused_with_the_limit() {
         message.contains("grid.dt_s: 1.1e-5 s is over the stability limit of the scheme m13"),
         "{message}"
     );
-    // What the message gives as the largest step is accepted, and is the largest to four digits.
+    // The largest step that the message gives is accepted, and is the largest to four digits.
     let step_s: f64 = message
         .rsplit("step is ")
         .next()

@@ -22,7 +22,7 @@ pub struct AddedNoise {
 /// A recording to whose signal noises are added, `signal + level noise`, measured some blocks at a time.
 ///
 /// All of eqs. (1)-(3) but the envelope is linear: the signal and each noise are correlated once for all levels. The
-/// caller asks for some blocks at a time, because the echoes of a whole drive at all levels do not fit into memory.
+/// caller takes some blocks at a time, because the echoes of a whole drive at all levels do not fit into memory.
 pub struct NoiseSweep<'a> {
     recorded: RecordingBlocks<'a>,
     parameters: &'a Parameters,

@@ -1,14 +1,15 @@
 //! Map folders: `map.npy`, `map_toa.npy`, `map.json`, and the pair `map.yaml`, `map.pgm` that a ROS map server reads.
 
+use std::hash::Hasher;
 use std::path::Path;
 
+use fnv::FnvHasher;
 use ndarray::Array2;
 use ndarray_npy::{ReadNpyExt, WriteNpyExt};
 use serde::{Deserialize, Serialize};
 
 use super::files;
 use crate::error::Error;
-use crate::fnv::Fnv;
 use crate::image::map_image::MapImage;
 use crate::parameters::Parameters;
 
@@ -128,14 +129,14 @@ fn read_npy(path: &Path) -> Result<Array2<f32>, Error> {
 }
 
 fn hash(map: &MapImage) -> String {
-    let mut hash = Fnv::default();
+    let mut hasher = FnvHasher::default();
     for layer in [&map.intensity, &map.toa_only] {
-        hash.take(&(layer.nrows() as u64).to_le_bytes());
+        hasher.write(&(layer.nrows() as u64).to_le_bytes());
         for value in layer {
-            hash.take(&value.to_le_bytes());
+            hasher.write(&value.to_le_bytes());
         }
     }
-    format!("{:016x}", hash.0)
+    format!("{:016x}", hasher.finish())
 }
 
 /// A binary PGM, dark where the map is bright, upper row first.

@@ -89,15 +89,8 @@ pub fn write(path: &Path, samples: &[OdometrySample]) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::odometry::tests::sample;
     use proptest::prelude::*;
-
-    fn sample(t_s: f64, v_mps: f64) -> OdometrySample {
-        OdometrySample {
-            t_s,
-            v_mps,
-            omega_radps: 2.0 * v_mps,
-        }
-    }
 
     #[test]
     fn parse_errors_name_the_line() {

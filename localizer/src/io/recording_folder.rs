@@ -108,34 +108,7 @@ impl Recording {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::odometry::OdometrySample;
-    use crate::pose::Pose;
-
-    fn recording() -> Recording {
-        let parameters = Parameters::default();
-        let sample = |t_s: f64| OdometrySample {
-            t_s,
-            v_mps: 0.3,
-            omega_radps: 0.01,
-        };
-        Recording {
-            signal: (0..8184).map(|k| (k as f32 * 0.3).sin()).collect(),
-            direct: Some(vec![0.25; 8184]),
-            odometry: (0..=5).map(|k| sample(0.05 * f64::from(k))).collect(),
-            truth: Some(Trajectory {
-                t_s: vec![0.0],
-                poses: vec![Pose {
-                    x_m: 1.0,
-                    y_m: 2.0,
-                    heading_rad: 0.5,
-                }],
-            }),
-            meta: RecordingMeta {
-                start: Some(Pose::default()),
-                ..RecordingMeta::from_parameters(&parameters)
-            },
-        }
-    }
+    use crate::recording::tests::recording;
 
     #[test]
     fn a_folder_is_read_back() {

@@ -134,22 +134,13 @@ pub fn follow(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multipath::{planes::Plane, prediction::Model};
+    use crate::multipath::planes::tests::room;
+    use crate::multipath::prediction::Model;
 
     /// Domain: 4 m x 5 m x 2.5 m, exact arrival times, wheels 10 % fast; tolerance 0.02 m where odometry is 0.1 m off.
     #[test]
     fn exact_times_correct_wheels_that_slip() {
-        let room = [
-            ([1., 0., 0.], 0.),
-            ([1., 0., 0.], -4.),
-            ([0., 1., 0.], 0.),
-            ([0., 1., 0.], -5.),
-            ([0., 0., 1.], -2.5),
-        ];
-        let planes: Vec<Plane> = room
-            .iter()
-            .map(|(n, d)| Plane::new(*n, *d).unwrap())
-            .collect();
+        let planes = room([1., 0., 0.]);
         let predictor = Predictor::new(&planes, Model::Spatial, [0.3, 0.4], 346.0);
         let mut truth = Pose {
             x_m: 1.1,

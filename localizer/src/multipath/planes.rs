@@ -120,8 +120,23 @@ impl Reflection {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// Four walls and the ceiling of a room 4 m x 5 m x 2.5 m; the wall at x = 4 m has the normal `east`.
+    pub(crate) fn room(east: [f64; 3]) -> Vec<Plane> {
+        let planes = [
+            ([1., 0., 0.], 0.),
+            (east, -4.),
+            ([0., 1., 0.], 0.),
+            ([0., 1., 0.], -5.),
+            ([0., 0., 1.], -2.5),
+        ];
+        planes
+            .iter()
+            .map(|(normal, offset_m)| Plane::new(*normal, *offset_m).unwrap())
+            .collect()
+    }
 
     #[test]
     fn two_reflections_in_a_row_are_one_map() {

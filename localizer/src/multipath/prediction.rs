@@ -131,21 +131,12 @@ impl Path {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::multipath::planes::tests::room;
 
     /// Domain: a room 4 m x 5 m x 2.5 m. Central differences over 2e-6 m; tolerance 1e-9 s/m.
     #[test]
     fn jacobians_match_finite_differences() {
-        let room = [
-            ([1., 0., 0.], 0.),
-            ([1., 0.2, 0.], -4.),
-            ([0., 1., 0.], 0.),
-            ([0., 1., 0.], -5.),
-            ([0., 0., 1.], -2.5),
-        ];
-        let planes: Vec<Plane> = room
-            .iter()
-            .map(|(n, d)| Plane::new(*n, *d).unwrap())
-            .collect();
+        let planes = room([1., 0.2, 0.]);
         let predictor = Predictor::new(&planes, Model::Spatial, [0.3, 0.4], 343.2);
         let pose = Pose {
             x_m: 1.3,

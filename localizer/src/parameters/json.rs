@@ -58,156 +58,61 @@ impl Default for FlatParameters {
     }
 }
 
-// Both conversions name every field of every structure: one that is forgotten does not compile.
-
-impl From<&Parameters> for FlatParameters {
-    fn from(parameters: &Parameters) -> Self {
-        let Parameters {
-            signal,
-            measurement,
-            filter,
-        } = *parameters;
-        let SignalParameters {
-            sample_rate_hz,
-            code_length,
-            chip_rate_hz,
-            carrier_hz,
-            speed_of_sound_mps,
-            sensor_offset_m,
-        } = signal;
-        let MeasurementParameters {
-            periods,
-            directions,
-            cell_m,
-            time_reference,
-            direct_wave,
-            direct_wave_time_s,
-            min_range_m,
-            max_range_m,
-            range_pool_m,
-            min_speed_mps,
-            toa_image,
-        } = measurement;
-        let FilterParameters {
-            method,
-            window_half_width_m,
-            particles,
-            sigma_v_mps,
-            sigma_omega_radps,
-            bins,
-            integration,
-            likelihood_exponent,
-            resampling,
-            resample_threshold,
-            start_sigma_m,
-            start_sigma_rad,
-        } = filter;
-        Self {
-            sample_rate_hz,
-            code_length,
-            chip_rate_hz,
-            carrier_hz,
-            speed_of_sound_mps,
-            periods,
-            directions,
-            cell_m,
-            window_half_width_m,
-            particles,
-            sigma_v_mps,
-            sigma_omega_radps,
-            bins,
-            method,
-            time_reference,
-            direct_wave,
-            direct_wave_time_s,
-            min_range_m,
-            max_range_m,
-            range_pool_m,
-            min_speed_mps,
-            integration,
-            likelihood_exponent,
-            toa_image,
-            resampling,
-            resample_threshold,
-            start_sigma_m,
-            start_sigma_rad,
-            sensor_offset_m,
-            _motion_model: MeanSpeed::MeanSpeed,
+/// The conversions between the groups and the flat object. They name every field of every structure: one that is
+/// forgotten does not compile.
+macro_rules! conversions {
+    ($($group:ident: $structure:ident { $($field:ident),+ $(,)? })+) => {
+        impl From<&Parameters> for FlatParameters {
+            fn from(parameters: &Parameters) -> Self {
+                let Parameters { $($group: $structure { $($field),+ }),+ } = *parameters;
+                Self { $($($field,)+)+ _motion_model: MeanSpeed::MeanSpeed }
+            }
         }
-    }
+
+        impl From<FlatParameters> for Parameters {
+            fn from(flat: FlatParameters) -> Self {
+                let FlatParameters { $($($field,)+)+ _motion_model: _ } = flat;
+                Self { $($group: $structure { $($field),+ }),+ }
+            }
+        }
+    };
 }
 
-impl From<FlatParameters> for Parameters {
-    fn from(flat: FlatParameters) -> Self {
-        let FlatParameters {
-            sample_rate_hz,
-            code_length,
-            chip_rate_hz,
-            carrier_hz,
-            speed_of_sound_mps,
-            periods,
-            directions,
-            cell_m,
-            window_half_width_m,
-            particles,
-            sigma_v_mps,
-            sigma_omega_radps,
-            bins,
-            method,
-            time_reference,
-            direct_wave,
-            direct_wave_time_s,
-            min_range_m,
-            max_range_m,
-            range_pool_m,
-            min_speed_mps,
-            integration,
-            likelihood_exponent,
-            toa_image,
-            resampling,
-            resample_threshold,
-            start_sigma_m,
-            start_sigma_rad,
-            sensor_offset_m,
-            _motion_model: _,
-        } = flat;
-        Self {
-            signal: SignalParameters {
-                sample_rate_hz,
-                code_length,
-                chip_rate_hz,
-                carrier_hz,
-                speed_of_sound_mps,
-                sensor_offset_m,
-            },
-            measurement: MeasurementParameters {
-                periods,
-                directions,
-                cell_m,
-                time_reference,
-                direct_wave,
-                direct_wave_time_s,
-                min_range_m,
-                max_range_m,
-                range_pool_m,
-                min_speed_mps,
-                toa_image,
-            },
-            filter: FilterParameters {
-                method,
-                window_half_width_m,
-                particles,
-                sigma_v_mps,
-                sigma_omega_radps,
-                bins,
-                integration,
-                likelihood_exponent,
-                resampling,
-                resample_threshold,
-                start_sigma_m,
-                start_sigma_rad,
-            },
-        }
+conversions! {
+    signal: SignalParameters {
+        sample_rate_hz,
+        code_length,
+        chip_rate_hz,
+        carrier_hz,
+        speed_of_sound_mps,
+        sensor_offset_m,
+    }
+    measurement: MeasurementParameters {
+        periods,
+        directions,
+        cell_m,
+        time_reference,
+        direct_wave,
+        direct_wave_time_s,
+        min_range_m,
+        max_range_m,
+        range_pool_m,
+        min_speed_mps,
+        toa_image,
+    }
+    filter: FilterParameters {
+        method,
+        window_half_width_m,
+        particles,
+        sigma_v_mps,
+        sigma_omega_radps,
+        bins,
+        integration,
+        likelihood_exponent,
+        resampling,
+        resample_threshold,
+        start_sigma_m,
+        start_sigma_rad,
     }
 }
 

@@ -58,7 +58,7 @@ impl MeasurementParameters {
         }
     }
 
-    /// Whether echoes measured with these parameters are those that `wanted` asks for. Cell width and nearest range
+    /// Whether echoes measured with these parameters are those of `wanted`. Cell width and nearest range
     /// belong to images alone, and a shorter range is a part of the measured one.
     pub fn provides(&self, wanted: &Self) -> bool {
         // All fields by name: a new one does not compile until it is decided here.

@@ -107,11 +107,12 @@ impl Recording {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::parameters::Parameters;
 
-    fn recording() -> Recording {
+    /// A recording of a fifth of a second with all that a folder may hold.
+    pub(crate) fn recording() -> Recording {
         let parameters = Parameters::default();
         let sample = |t_s: f64| OdometrySample {
             t_s,

@@ -1,7 +1,7 @@
 //! Matched filter, eq. (1): correlation of one received period with the transmitted one, and its envelope.
 //!
 //! The transmitted signal is periodic, so the correlation is circular with L_s lags, of which only those of the
-//! ranges asked for are needed. A period is therefore continued by as many of its own samples as there are lags, and
+//! ranges in use are needed. A period is therefore continued by as many of its own samples as there are lags, and
 //! correlated linearly by transforms whose length has small factors, whatever those of L_s are.
 //!
 //! The envelope is the magnitude of the analytic signal, that is, of the correlation with the analytic signal of the

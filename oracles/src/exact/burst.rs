@@ -1,4 +1,4 @@
-//! A short tone with a Gaussian envelope: smooth, of finite length for all that f64 can tell, with a known spectrum.
+//! A short tone with a Gaussian envelope: smooth, of finite length within the rounding of `f64`, with a known spectrum.
 
 use fdtd::waveform::PeriodicWaveform;
 use rustfft::num_complex::Complex;
@@ -35,8 +35,8 @@ impl Burst {
         (-0.5 * (since_s / self.sigma_s).powi(2)).exp() * (TAU * self.frequency_hz * since_s).cos()
     }
 
-    /// The burst again and again, once every `period_s` seconds (up to a sample at `rate_hz`), limited to a band: what a simulation sends that
-    /// ends before the second.
+    /// The burst again and again, once every `period_s` seconds (up to a sample at `rate_hz`), limited to a band: what
+    /// a simulation sends that ends before the second.
     pub fn every(&self, period_s: f64, band_hz: [f64; 2], rate_hz: f64) -> PeriodicWaveform {
         let one: Vec<f64> = (0..(period_s * rate_hz) as usize)
             .map(|n| self.value(n as f64 / rate_hz))

@@ -1,12 +1,12 @@
 //! A rigid circular cylinder: what it makes of a line source outside, and the standing waves within.
 //!
-//! Outside, for a tone `e^(i omega t)` with the source at `(r0, 0)` and the microphone at `(r, phi)` from the axis, both beyond the radius a (Bowman,
-//! Senior and Uslenghi 1969, sec. 2.4),
+//! Outside, for a tone `e^(i omega t)` with the source at `(r0, 0)` and the microphone at `(r, phi)` from the axis,
+//! both beyond the radius a (Bowman, Senior and Uslenghi 1969, sec. 2.4),
 //! ```text
 //! H0(k R) - sum_n e_n J_n'(k a) / H_n'(k a) H_n(k r0) H_n(k r) cos(n phi),    e_0 = 1, e_n = 2
 //! ```
-//! with Hankel functions of the second kind, in units of `omega rho Q / 4` ([`super::tone`]). Within, a standing wave is
-//! `J_m(kappa r) cos(m phi)` with `J_m'(kappa a) = 0`.
+//! with Hankel functions of the second kind, in units of `omega rho Q / 4` ([`super::tone`]). Within, a standing wave
+//! is `J_m(kappa r) cos(m phi)` with `J_m'(kappa a) = 0`.
 
 use super::hankel::hankel;
 use libm::jn;
@@ -33,8 +33,9 @@ fn hankel_slope(n: i32, z: f64) -> Complex<f64> {
     }
 }
 
-/// What a rigid cylinder adds to a line source's field, in units of `omega rho Q / 4`: all lengths times the wave number, `ka` the
-/// radius, `kr0` and `kr` source and microphone from the axis, both larger, `phi` the angle between them.
+/// Scattered field of a line source at a rigid cylinder, in units of `omega rho Q / 4`: all lengths times the wave
+/// number, `ka` the radius, `kr0` and `kr` source and microphone from the axis, both larger, `phi` the angle between
+/// them.
 pub fn scattered(ka: f64, [kr0, kr]: [f64; 2], phi: f64) -> Complex<f64> {
     let orders = (ka + ORDERS_BEYOND) as i32;
     (0..=orders)
@@ -52,7 +53,8 @@ pub fn scattered(ka: f64, [kr0, kr]: [f64; 2], phi: f64) -> Complex<f64> {
 /// When `which` is 0.
 pub fn mode(m: i32, which: usize) -> f64 {
     assert!(which > 0, "zeros are counted from 1");
-    // Zeros of J_m' lie beyond m and at least 2 apart, so that steps of 0.1 meet each once; far below m J_m is too small for f64.
+    // Zeros of J_m' lie beyond m and at least 2 apart, so that steps of 0.1 meet each once; far below m J_m is too
+    // small for f64.
     let mut z = f64::from(m).max(0.1);
     let mut left = which;
     loop {
@@ -91,8 +93,8 @@ mod tests {
     use super::*;
     use crate::exact::hankel::hankel0;
 
-    /// Graf's addition theorem: the incident wave is the same sum with `J_n(k a)` in the place of the factor, so the sum of both has no slope
-    /// across the surface.
+    /// Graf's addition theorem: the incident wave is the same sum with `J_n(k a)` in the place of the factor, so the
+    /// sum of both has no slope across the surface.
     #[test]
     fn no_air_flows_through_the_surface() {
         let (ka, kr0) = (40.0, 70.0);

@@ -1,8 +1,8 @@
 //! A line source at rest beside a rigid half plane: Sommerfeld's problem, in time.
 //!
-//! With the half plane along the positive x axis, source and microphone at `(r0, phi0)` and `(r, phi)` from its edge, angles in
-//! `0..2 pi`, MacDonald's form of the solution (Bowman, Senior and Uslenghi 1969, sec. 8.2) is, with its integral over `cosh t` read
-//! as delays,
+//! With the half plane along the positive x axis, source and microphone at `(r0, phi0)` and `(r, phi)` from its edge,
+//! angles in `0..2 pi`, MacDonald's form of the solution (Bowman, Senior and Uslenghi 1969, sec. 8.2) is, with its
+//! integral over `cosh t` read as delays,
 //! ```text
 //! phi(t) = (1/4 pi) [S(R, phi - phi0) + S(R', phi + phi0)],    S(R, psi) = int_{-u}^inf q(t - (R/c) cosh v) dv
 //! sinh(u/2) = sqrt(2 r r0 / ((r + r0 + R) R)) cos(psi/2),    R^2 = r^2 + r0^2 - 2 r r0 cos(psi)

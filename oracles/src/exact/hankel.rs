@@ -1,9 +1,11 @@
-//! Hankel functions of the second kind: orders 0 and 1 by their integral along the steepest descent, any whole order by recurrence.
+//! Hankel functions of the second kind: orders 0 and 1 by their integral along the steepest descent, any whole order by
+//! recurrence.
 
 use rustfft::num_complex::Complex;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4};
 
-/// Step and reach of the trapezoidal rule. Its error falls like `exp(-2 pi sqrt(z) / step)`, so from `z = 0.05` on it is below 1e-12.
+/// Step and reach of the trapezoidal rule. Its error falls like `exp(-2 pi sqrt(z) / step)`, so from `z = 0.05` on it
+/// is below 1e-12.
 const STEP: f64 = 0.04;
 const POINTS: usize = 160;
 

@@ -1,22 +1,24 @@
-//! Doppler factors of echoes: heard over sent frequency for a loudspeaker and microphone at one point that moves uniformly.
+//! Doppler factors of echoes: received over sent frequency for a loudspeaker and microphone at one point that moves
+//! uniformly.
 //!
-//! `mach` is speed over the speed of sound, `theta_rad` the angle from the heading to the perpendicular of the wall (or to the apex of the
-//! corner). Eq. (3) of the 2024 paper is [`plane_wall`] to first order in `mach`.
+//! `mach` is speed over the speed of sound, `theta_rad` the angle from the heading to the perpendicular of the wall (or
+//! to the apex of the corner). Eq. (3) of the 2024 paper is [`plane_wall`] to first order in `mach`.
 
 /// Echo of a plane wall: `(e + M cos theta) / (e - M cos theta)` with `e = sqrt(1 - M^2 sin^2 theta)`.
 ///
-/// The image moves towards the wall from behind as the pair does from the front; the `e` comes from the sound's way not being the
-/// perpendicular while the pair moves along the wall.
+/// The image moves towards the wall from behind as the pair does from the front; the `e` comes from the sound's way not
+/// being the perpendicular while the pair moves along the wall.
 pub fn plane_wall(mach: f64, theta_rad: f64) -> f64 {
     let (sine, cosine) = theta_rad.sin_cos();
     let effective = (1.0 - (mach * sine).powi(2)).sqrt();
     (effective + mach * cosine) / (effective - mach * cosine)
 }
 
-/// Echo of a right-angled corner: `(1 + M cos theta) / (1 - M cos theta)`, with `theta_rad` the angle from the heading to where the echo comes from,
-/// which is the apex seen from halfway between the places of sending and hearing.
+/// Echo of a right-angled corner: `(1 + M cos theta) / (1 - M cos theta)`, with `theta_rad` the angle from the heading
+/// to where the echo comes from, which is the apex seen from halfway between the places of sending and hearing.
 ///
-/// This is what eq. (3) of the 2024 paper undoes for every echo; for a plane wall it differs in the third order of `mach`.
+/// This is what eq. (3) of the 2024 paper undoes for every echo; for a plane wall it differs in the third order of
+/// `mach`.
 pub fn corner(mach: f64, theta_rad: f64) -> f64 {
     (1.0 + mach * theta_rad.cos()) / (1.0 - mach * theta_rad.cos())
 }

@@ -1,18 +1,21 @@
-//! The signal of a moving loudspeaker and microphone among rigid walls by image sources: ray acoustics as an independent check of
-//! the field, and a recording within seconds instead of minutes.
+//! The signal of a moving loudspeaker and microphone among rigid walls by image sources: ray acoustics as an
+//! independent check of the field, and a recording within seconds instead of minutes.
 //!
-//! Every face sequence up to `max_order` mirrors the loudspeaker's whole path. The echo at time `t` left its image at the retarded time
-//! `t_e` with `c (t - t_e) = |x_r(t) - x_i(t_e)|`, and the pressure there is that of a moving line source,
+//! Every face sequence up to `max_order` mirrors the loudspeaker's whole path. The echo at time `t` left its image at
+//! the retarded time `t_e` with `c (t - t_e) = |x_r(t) - x_i(t_e)|`, and the pressure there is that of a moving line
+//! source,
 //! ```text
 //! p(t) = rho / (2 sqrt(2 pi tau)) (1 - M_n)^(-3/2) [D^(1/2) q - 1/(8 tau) D^(-1/2) q](t_e),   tau = t - t_e
 //! ```
-//! with `M_n` the Mach number of the image towards the receiver. It knows no diffraction: at the borders of a wall's reflection and of its shadow an
-//! echo fades over a few centimetres instead of over its Fresnel zone.
+//! with `M_n` the Mach number of the image towards the receiver. It leaves out diffraction: at the borders of a wall's
+//! reflection and of its shadow an echo fades over a few centimetres instead of over its Fresnel zone.
 
+mod pair;
 pub mod room;
 mod spectrum;
 mod track;
 
+pub use pair::{ImageSourceOptions, PlanePair, PositionAt};
 pub use spectrum::CylindricalWaveform;
 
 use crate::rays::Reflectors;
@@ -21,59 +24,15 @@ use fdtd::motion::DrivePath;
 use fdtd::simulation::SOURCE_STRENGTH_M2PS;
 use fdtd::walls::Wall;
 use fdtd::waveform::PeriodicWaveform;
+use pair::in_chunks;
 use rayon::prelude::*;
 use track::EchoTrack;
 
-/// Time of the onset ramp of the source, in seconds.
-const ONSET_S: f64 = 1e-3;
-
-/// Samples that one thread works on at a time.
-const CHUNK_SAMPLES: usize = 4096;
-
-/// Which images sound.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ImageSourceOptions {
-    /// Most reflections of an echo.
-    pub max_order: usize,
-    /// Whether the sound that reaches the microphone without reflection is included. It never is when the two are less than 1 mm
-    /// apart, where a line source has no finite pressure.
-    pub include_direct: bool,
-    /// Distance in metres on either side of a border of visibility over which an echo fades; more than 0.
-    pub fade_m: f64,
-    /// Source strength times the time since the middle of the drive, which tells travel times ([`fdtd::medium::absorbed`]).
-    pub stamped: bool,
-}
-
-impl Default for ImageSourceOptions {
-    fn default() -> Self {
-        Self {
-            max_order: 2,
-            include_direct: false,
-            fade_m: 0.05,
-            stamped: false,
-        }
-    }
-}
-
-/// A position in metres at any time in seconds; asked at times somewhat before 0 and after the end too.
-pub type PositionAt<'a> = &'a (dyn Fn(f64) -> [f64; 2] + Sync);
-
-/// A loudspeaker and a microphone that move.
-#[derive(Clone, Copy)]
-pub struct MovingPair<'a> {
-    /// Where the loudspeaker is.
-    pub source_at: PositionAt<'a>,
-    /// Where the microphone is.
-    pub receiver_at: PositionAt<'a>,
-    /// How long they are recorded, in seconds.
-    pub duration_s: f64,
-}
-
-/// Pressure in Pa at the microphone of a moving pair: `floor(duration * sample_rate)` samples, the first at time 0. The source is silent before
-/// time 0. The result does not depend on the number of threads.
+/// Pressure in Pa at the microphone of a moving pair: `floor(duration * sample_rate)` samples, the first at time 0. The
+/// source is silent before time 0. The result does not depend on the number of threads.
 pub fn synthesize_pair(
     reflectors: &Reflectors,
-    pair: &MovingPair<'_>,
+    pair: &PlanePair<'_>,
     strength: &CylindricalWaveform,
     medium: &Medium,
     sample_rate_hz: f64,
@@ -88,29 +47,16 @@ pub fn synthesize_pair(
         .filter_map(|sequence| EchoTrack::new(reflectors, sequence, pair, medium, options.fade_m))
         .collect();
 
-    // A whole number of samples must not be lost to the last bit of a product.
     let zero_s = options.stamped.then_some(0.5 * pair.duration_s);
-    let samples = (pair.duration_s * sample_rate_hz + 1e-6).floor().max(0.0) as usize;
-    let mut signal = vec![0.0_f32; samples];
-    signal
-        .par_chunks_mut(CHUNK_SAMPLES)
-        .enumerate()
-        .for_each(|(chunk, out)| {
-            let mut sum = vec![0.0_f64; out.len()];
-            for track in &tracks {
-                track.add_to(
-                    &mut sum,
-                    chunk * CHUNK_SAMPLES,
-                    sample_rate_hz,
-                    strength,
-                    zero_s,
-                );
-            }
-            for (sample, value) in out.iter_mut().zip(sum) {
-                *sample = value as f32;
-            }
-        });
-    signal
+    in_chunks(pair.duration_s, sample_rate_hz, |first, out| {
+        let mut sum = vec![0.0_f64; out.len()];
+        for track in &tracks {
+            track.add_to(&mut sum, first, sample_rate_hz, strength, zero_s);
+        }
+        for (sample, value) in out.iter_mut().zip(sum) {
+            *sample = value as f32;
+        }
+    })
 }
 
 /// A robot on its drive.
@@ -134,7 +80,7 @@ pub fn synthesize(
     sample_rate_hz: f64,
     options: &ImageSourceOptions,
 ) -> Vec<f32> {
-    let pair = MovingPair {
+    let pair = PlanePair {
         source_at: &|t_s| drive.path.point_at(t_s, drive.loudspeaker_offset_m),
         receiver_at: &|t_s| drive.path.point_at(t_s, drive.microphone_offset_m),
         duration_s: drive.path.duration_s(),

@@ -1,11 +1,13 @@
-//! What the plane does to a waveform: the far field of a line source is the half derivative of its strength.
+//! Waveforms in the plane: the far field of a line source is the half derivative of its strength.
 //!
-//! With q in m^2/s and tau = r/c the pressure of a source at rest is `p = (omega rho Q / 4) H0^(2)(omega tau)`, and for large `omega tau`
+//! With q in m^2/s and tau = r/c the pressure of a source at rest is `p = (omega rho Q / 4) H0^(2)(omega tau)`, and for
+//! large `omega tau`
 //! ```text
 //! H0^(2)(z) = sqrt(2 / (pi z)) e^(-i (z - pi/4)) (1 - 1/(8 i z) + 9/(128 (i z)^2) - ...)
 //! p(t) = rho / (2 sqrt(2 pi tau)) [ D^(1/2) q - 1/(8 tau) D^(-1/2) q + ... ](t - tau)
 //! ```
-//! where `D^(1/2)` multiplies the spectrum by `sqrt(i omega)`. Two terms leave 9/128 (kr)^-2 of the amplitude: 1e-3 at `kr = 8`.
+//! where `D^(1/2)` multiplies the spectrum by `sqrt(i omega)`. Two terms leave 9/128 (kr)^-2 of the amplitude: 1e-3 at
+//! `kr = 8`.
 
 use fdtd::waveform::PeriodicWaveform;
 use rustfft::{FftPlanner, num_complex::Complex};
@@ -22,8 +24,9 @@ pub struct CylindricalWaveform {
 impl CylindricalWaveform {
     /// Prepares the strength in m^2/s given by evenly spaced samples of one period, the first at time 0.
     ///
-    /// Values between the samples are interpolated by a polynomial of degree 5, so the samples should be fine: with 30 per period of the highest
-    /// frequency it errs by 4e-7. The mean is left out, as a steady strength makes no pressure.
+    /// Values between the samples are interpolated by a polynomial of degree 5, so the samples should be fine: with 30
+    /// per period of the highest frequency it errs by 4e-7. The mean is left out, as a steady strength makes no
+    /// pressure.
     pub fn new(one_period: &[f64], period_s: f64) -> Self {
         let points = one_period.len();
         let mut spectrum: Vec<Complex<f64>> = one_period

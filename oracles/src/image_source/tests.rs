@@ -1,13 +1,13 @@
 use super::*;
 use crate::laws::conditions::CONDITIONS;
-use crate::rays::Segment;
+use crate::rays::WallSegment;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 const AIR: Medium = CONDITIONS[1].medium;
 const RATE_HZ: f64 = 40e3;
 
-fn wall(ends_m: [[f64; 2]; 2]) -> Segment {
-    Segment {
+fn wall(ends_m: [[f64; 2]; 2]) -> WallSegment {
+    WallSegment {
         wall: 0,
         piece: 0,
         ends_m,
@@ -39,7 +39,7 @@ fn line(signal: &[f32], frequency_hz: f64, from_s: f64) -> (f64, f64) {
 fn an_echo_at_rest_has_the_level_and_phase_of_the_hankel_function() {
     let walls = Reflectors::new([wall([[2.0, -3.0], [2.0, 3.0]])]);
     let rest = |_: f64| [0.5, 0.0];
-    let pair = MovingPair {
+    let pair = PlanePair {
         source_at: &rest,
         receiver_at: &rest,
         duration_s: 0.05,
@@ -72,7 +72,7 @@ fn a_pair_driving_at_a_wall_hears_the_doppler_factor() {
     let walls = Reflectors::new([wall([[3.0, -3.0], [3.0, 3.0]])]);
     let v_mps = 0.4;
     let drive = |t_s: f64| [v_mps * t_s, 0.0];
-    let pair = MovingPair {
+    let pair = PlanePair {
         source_at: &drive,
         receiver_at: &drive,
         duration_s: 2.0,
@@ -102,7 +102,7 @@ fn borders_fade_without_clicks_and_opposite_orders_add_to_one_corner() {
         wall([[0.0, 3.0], [0.0, 0.0]]),
     ]);
     let rest = |_: f64| [1.0, 1.0];
-    let pair = MovingPair {
+    let pair = PlanePair {
         source_at: &rest,
         receiver_at: &rest,
         duration_s: 0.05,
@@ -131,7 +131,7 @@ fn borders_fade_without_clicks_and_opposite_orders_add_to_one_corner() {
 fn a_drive_past_the_end_of_a_wall_is_smooth() {
     let walls = Reflectors::new([wall([[0.0, 0.0], [0.4, 0.0]])]);
     let drive = |t_s: f64| [0.4 * t_s, 0.6];
-    let pair = MovingPair {
+    let pair = PlanePair {
         source_at: &drive,
         receiver_at: &drive,
         duration_s: 2.0,
@@ -161,7 +161,7 @@ fn the_direct_sound_is_an_option_and_never_infinite() {
     let rest = |_: f64| [0.0, 0.0];
     let beside = |_: f64| [0.5, 0.0];
     let heard = |receiver_at: PositionAt<'_>, include_direct| {
-        let pair = MovingPair {
+        let pair = PlanePair {
             source_at: &rest,
             receiver_at,
             duration_s: 0.02,

@@ -1,12 +1,14 @@
-//! One echo along the drive: when what is heard now was sent, and how loud it is.
+//! One echo along the drive: time of emission and gain of the sound that arrives.
 
-use super::{CylindricalWaveform, MovingPair, ONSET_S};
+use super::pair::{ONSET_S, PlanePair};
+use super::spectrum::CylindricalWaveform;
 use crate::rays::plane::{Vec2, dot, length, scale, sub};
 use crate::rays::{Reflectors, fade};
 use fdtd::grid::Medium;
 use std::f64::consts::{PI, TAU};
 
-/// Spacing of the times at which delays are solved, in seconds. Between them a cubic errs by less than a nanosecond for anything a robot does.
+/// Spacing of the times at which delays are solved, in seconds. Between them a cubic errs by less than a nanosecond for
+/// anything a robot does.
 const NODE_S: f64 = 1e-3;
 
 /// Delay nodes per evaluation of the visibility.
@@ -25,7 +27,7 @@ pub(super) struct EchoTrack {
 
 #[derive(Clone, Copy, Default)]
 struct Node {
-    /// When the sound heard at this node was sent.
+    /// Time of emission of the sound that arrives at this node.
     sent_s: f64,
     /// Rate of `sent_s`: the Doppler time scale of the echo.
     rate: f64,
@@ -40,7 +42,7 @@ impl EchoTrack {
     pub(super) fn new(
         reflectors: &Reflectors,
         sequence: &[usize],
-        pair: &MovingPair<'_>,
+        pair: &PlanePair<'_>,
         medium: &Medium,
         fade_m: f64,
     ) -> Option<Self> {
@@ -74,7 +76,8 @@ impl EchoTrack {
         Some(Self { nodes })
     }
 
-    /// Adds the echo to samples that start with number `first` of the recording; with `stamp_zero_s` times the time of sending since then.
+    /// Adds the echo to samples that start with number `first` of the recording; with `stamp_zero_s` times the time of
+    /// sending since then.
     pub(super) fn add_to(
         &self,
         sum: &mut [f64],
@@ -135,7 +138,7 @@ fn onset(sent_s: f64) -> f64 {
 fn visibility(
     reflectors: &Reflectors,
     sequence: &[usize],
-    pair: &MovingPair<'_>,
+    pair: &PlanePair<'_>,
     t_s: f64,
     fade_m: f64,
 ) -> f64 {
@@ -157,7 +160,7 @@ fn visibility(
 fn node_at(
     t_s: f64,
     share: f64,
-    pair: &MovingPair<'_>,
+    pair: &PlanePair<'_>,
     image_at: &dyn Fn(f64) -> Vec2,
     medium: &Medium,
 ) -> Node {

@@ -1,16 +1,20 @@
-//! Reflection over frequency and angle of walls whose impedance is made of branches of resistance, inertance and compliance.
+//! Reflection over frequency and angle of walls whose impedance is made of branches of resistance, inertance and
+//! compliance.
 //!
-//! Layout: the duct of [`super::impedance`], its end of several branches ([`walls`]), met at 0 to 73 degrees between 2 and 10 kHz.
-//! Formula: `(Z cos - rho c)/(Z cos + rho c)` with the complex Z of branches `R + i omega L + 1/(i omega C)` in parallel.
+//! Layout: the duct of [`super::impedance`], its end of several branches ([`walls`]), met at 0 to 73 degrees between 2
+//! and 10 kHz.
+//! Formula: `(Z cos - rho c)/(Z cos + rho c)` with the complex Z of branches `R + i omega L + 1/(i omega C)` in
+//! parallel.
 //! Bias: as there: what the surface adds to a real impedance, and the scheme's own error of the group velocity. The
 //! step has tangents in place of frequencies (2.3 % at 10 kHz), which detunes resonances.
-//! Tolerance: 0.02 at 2 kHz and for a resistance, otherwise [`TOLERANCES`], wherever the wall lies in the
-//! cells, up to a Courant number of 0.58; slf up to 4 kHz only. It was 0.02 for all while a fit to each surface changed inertances and stiffnesses.
+//! Tolerance: 0.02 at 2 kHz and for a resistance, otherwise [`TOLERANCES`], wherever the wall lies in the cells, up to
+//! a Courant number of 0.58; slf up to 4 kHz only. It was 0.02 for all while a fit to each surface changed inertances
+//! and stiffnesses.
 
 use super::conditions::Conditions;
 use super::impedance::{heard, is_held, sine};
+use super::measurement::{Depth, Measurement, named};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use fdtd::Error;
 use fdtd::scheme::Scheme;
 use fdtd::walls::{Branch, Impedance};
@@ -24,7 +28,7 @@ pub const CASES: [(f64, [usize; 3]); 4] = [
     (10e3, [0, 14, 27]),
 ];
 
-/// What the wall leaves of the cell before it.
+/// Open parts of the cell before the wall.
 pub const PLACES: [f64; 2] = [1.0, 0.6];
 
 /// Names and branches of the walls that are measured; numbers over those of air.
@@ -65,10 +69,10 @@ pub fn walls_in(conditions: &Conditions) -> [(&'static str, Impedance); 6] {
     .map(|(name, branches)| (name, Impedance::Branches(branches)))
 }
 
-/// What the reflection factor may be off above 3 kHz, by the places of [`walls`].
+/// Tolerance of the reflection factor above 3 kHz, by the places of [`walls`].
 pub const TOLERANCES: [f64; 6] = [0.02, 0.055, 0.07, 0.09, 0.045, 0.025];
 
-/// What the reflection factor of a wall, by its place in [`walls`], may be off at a frequency.
+/// Tolerance of the reflection factor of a wall, by its place in [`walls`], at a frequency.
 pub fn tolerance(wall: usize, frequency_hz: f64) -> f64 {
     if frequency_hz < 3e3 {
         0.02
@@ -77,13 +81,14 @@ pub fn tolerance(wall: usize, frequency_hz: f64) -> f64 {
     }
 }
 
-/// What a case draws.
+/// Setting of a case.
 pub fn setting(scheme: Scheme, frequency_hz: f64, place: f64) -> Setting {
     let case = format!("{scheme}, {} kHz, {place} of a cell", frequency_hz / 1e3);
     Setting::before_accurate_surfaces("branches", &case)
 }
 
-/// Errors of the reflection factor of [`walls`], the largest over angle; `place` is what the wall leaves of the cell before it.
+/// Errors of the reflection factor of [`walls`], the largest over angle; `place` is the open part of the cell before
+/// the wall.
 pub fn largest(
     setting: &Setting,
     scheme: Scheme,

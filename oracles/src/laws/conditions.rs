@@ -1,8 +1,9 @@
 //! Media and grids that laws are measured on.
 //!
-//! The papers' grid is one of many, and a scheme may be well there and nowhere else. So each case of a law draws its conditions ([`super::setting`]). Laws give
-//! lengths, times and frequencies as they are on the papers' grid; here they become those with as many cells, periods and cells per wavelength,
-//! so that a tolerance means the same everywhere but for what depends on the Courant number. Frequencies in the names of cases are those on the papers' grid.
+//! The papers' grid is one of many, and a scheme may be well there and nowhere else. So each case of a law draws its
+//! conditions ([`super::setting`]). Laws give lengths, times and frequencies as they are on the papers' grid; here they
+//! become those with as many cells, periods and cells per wavelength, so that a tolerance means the same everywhere but
+//! for what depends on the Courant number. Frequencies in the names of cases are those on the papers' grid.
 
 use crate::exact::burst::Burst;
 use fdtd::grid::Medium;
@@ -20,8 +21,8 @@ pub struct Conditions {
     pub dt_s: f64,
 }
 
-/// The papers' grid first. Half humid air at 1013.25 hPa has these speeds between 2 and 30 degC, and there these densities; the Courant numbers go from
-/// 0.36 to 0.65.
+/// The papers' grid first. Half humid air at 1013.25 hPa has these speeds between 2 and 30 degC, and there these
+/// densities; the Courant numbers go from 0.36 to 0.65.
 pub const CONDITIONS: [Conditions; 11] = [
     conditions(340.0, 1.293, 5.0, 120.0),
     conditions(333.0, 1.281, 5.0, 120.0),
@@ -100,8 +101,9 @@ impl Conditions {
         Burst::from_zero(self.hz(hertz), self.hz(spread_hertz))
     }
 
-    /// How many times as large the scheme's error of the phase velocity is, for waves that have `hertz` on the papers' grid, as there: by the dispersion
-    /// relation, the larger one of those along the axis and the diagonal, and at least 1. What a law says of dispersion is to be taken times that.
+    /// How many times as large the scheme's error of the phase velocity is, for waves that have `hertz` on the papers'
+    /// grid, as there: by the dispersion relation, the larger one of those along the axis and the diagonal, and at
+    /// least 1. What a law says of dispersion is to be taken times that.
     pub fn dispersion(&self, scheme: Scheme, hertz: f64) -> f64 {
         let error = |conditions: &Self| {
             let polynomial = scheme.polynomial(conditions.courant());
@@ -115,7 +117,8 @@ impl Conditions {
         (error(self) / error(&Self::PAPERS)).max(1.0)
     }
 
-    /// Whether walls of an impedance reflect as they do on the papers' grid: [`super::impedance`] says what is at larger Courant numbers.
+    /// Whether walls of an impedance reflect as they do on the papers' grid: [`super::impedance`] says what is at
+    /// larger Courant numbers.
     pub fn has_accurate_impedances(&self) -> bool {
         self.courant() <= 0.58
     }

@@ -1,15 +1,16 @@
 //! A robot drives in front of a right-angled corner: the whole chain of a recording against image sources.
 //!
-//! Layout: 1.8 m x 1.8 m, two walls through the layers that close any quarter of the plane, the robot 0.4 to 0.9 m from them; loudspeaker and microphone 8 cm apart on a robot that drives a
-//! curve at 0.4 m/s; noise of 1.5 to 5 kHz for 0.15 s at 40 kHz. The free-field run of the same drive is subtracted.
+//! Layout: 1.8 m x 1.8 m, two walls through the layers that close any quarter of the plane, the robot 0.4 to 0.9 m from
+//! them; loudspeaker and microphone 8 cm apart on a robot that drives a curve at 0.4 m/s; noise of 1.5 to 5 kHz for
+//! 0.15 s at 40 kHz. The free-field run of the same drive is subtracted.
 //! Formula: two single echoes and the corner's, [`crate::image_source`], at retarded times of the moving images.
 //! Bias: dispersion over 1 to 3 m; the two terms of the Hankel series leave 1e-3 of the nearest echo at 1.5 kHz.
-//! Tolerance: 1 % of the echoes (root mean square), 0.02 dB with m13; 5 % and 0.03 dB with d25, whose error of phase is spread over the whole band. An
-//! echo left out, or one of half the strength, would be 20 % or more.
+//! Tolerance: 1 % of the echoes (root mean square), 0.02 dB with m13; 5 % and 0.03 dB with d25, whose error of phase is
+//! spread over the whole band. An echo left out, or one of half the strength, would be 20 % or more.
 
+use super::measurement::{Depth, Measurement, named};
 use super::rig::{decibels, difference, echoes, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use crate::image_source::{DrivingPair, ImageSourceOptions, synthesize};
 use fdtd::Error;
 use fdtd::grid::Grid;
@@ -91,7 +92,7 @@ pub fn scene(setting: &Setting, scheme: Scheme) -> Result<Scene, Error> {
     })
 }
 
-/// What the recording is off.
+/// Errors of the recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerError {
     /// Waveform of all echoes, relative.

@@ -1,18 +1,21 @@
 //! Level of a moving source's tone, and the false sidebands that spreading onto the grid puts beside it.
 //!
-//! Layout: 1.3 m x 1.1 m; a source at 4 m/s along one axis and 0.3 of a cell off the cells' centres along the other; a microphone at rest 0.5 m
-//! away. The tone is switched on over 3 ms and heard for 10 ms, eight cells of the source's way.
-//! Formula: the closed form of the tone in uniform motion ([`crate::exact::tone`]). Heard over exact, as complex numbers over time, would be
-//! 1; its mean is the error of the level, its lines at the rate at which the source passes cells (800 Hz) and at twice that are the
-//! spreading's false sidebands. At a robot's 0.3 m/s they lie at 60 Hz, within the echoes' Doppler band.
+//! Layout: 1.3 m x 1.1 m; a source at 4 m/s along one axis and 0.3 of a cell off the cells' centres along the other; a
+//! microphone at rest 0.5 m away. The tone is switched on over 3 ms and recorded for 10 ms, eight cells of the source's
+//! way.
+//! Formula: the closed form of the tone in uniform motion ([`crate::exact::tone`]). Received over exact, as complex
+//! numbers over time, would be 1; its mean is the error of the level, its lines at the rate at which the source passes
+//! cells (800 Hz) and at twice that are the spreading's false sidebands. At a robot's 0.3 m/s they lie at 60 Hz, within
+//! the echoes' Doppler band.
 //! Bias: dispersion in level (c over the group velocity).
-//! Tolerance: 0.1 dB and -60 dB at 2 to 15 kHz with kaiser8 and d25. The other combinations are shown beside it. A Gaussian is a low-pass
-//! at the source and at the microphone: its level is low by `sigma^2 k^2` nepers (0.64 of `(k dx)^2`: 4.7 dB at 10 kHz), its sidebands are weak.
+//! Tolerance: 0.1 dB and -60 dB at 2 to 15 kHz with kaiser8 and d25. The other combinations are shown beside it. A
+//! Gaussian is a low-pass at the source and at the microphone: its level is low by `sigma^2 k^2` nepers (0.64 of
+//! `(k dx)^2`: 4.7 dB at 10 kHz), its sidebands are weak.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, named};
 use super::rig::{Rig, decibels};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use crate::exact::tone::in_uniform_motion;
 use fdtd::Error;
 use fdtd::scheme::Scheme;

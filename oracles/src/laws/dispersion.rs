@@ -1,20 +1,23 @@
 //! Sound on the grid is as fast as the discrete dispersion relation says.
 //!
-//! Layout: 2.8 m x 2.8 m, with layers of 40 cells; a broad burst from a cell's centre, heard 0.5 m and about 1.2 m away along the axis and along the diagonal, with d25 also
-//! along 2:1.
-//! Formula: `k` solves the scheme's symbol at `4 sin^2(omega dt/2)`; the phase between the two places is that of `H0^(2)(k r)`, and the group delay
-//! between them, the derivative of the phase, is `(1/v) Im[r H1^(2)(k r) / H0^(2)(k r)]` at the far place less that at the near one, v the symbol's group velocity. The group
-//! delay of a recording p is the real part of the transform of `t p` over that of `p`.
-//! Bias: the curvature of the slowness curve changes the near-field term, below 1e-5 here; between axis and diagonal the phase also travels beside
-//! the ray, a second-order effect too small to see with d25 only.
-//! The group delay weighs what arrives late, as the rest that the layers send back. Behind layers of 20 cells, as scenes have them, it is off by 1.3e-4 at
-//! 18 kHz on the papers' grid, and by more at larger Courant numbers (3.4e-4 at 0.65); behind 40 cells by 5e-5 at all.
-//! Tolerance: 1e-4 of the phase velocity, while its own error is up to 2.6 % (slf) and 0.7 % (m13), and 2e-4 of the group velocity, whose own error is three times
-//! as large (1e-4 below 18 kHz); with d25 the phase velocity also within 0.1 % of the speed of sound to 18 kHz.
+//! Layout: 2.8 m x 2.8 m, with layers of 40 cells; a broad burst from a cell's centre, received 0.5 m and about 1.2 m
+//! away along the axis and along the diagonal, with d25 also along 2:1.
+//! Formula: `k` solves the scheme's symbol at `4 sin^2(omega dt/2)`; the phase between the two places is that of
+//! `H0^(2)(k r)`, and the group delay between them, the derivative of the phase, is
+//! `(1/v) Im[r H1^(2)(k r) / H0^(2)(k r)]` at the far place less that at the near one, v the symbol's group velocity.
+//! The group delay of a recording p is the real part of the transform of `t p` over that of `p`.
+//! Bias: the curvature of the slowness curve changes the near-field term, below 1e-5 here; between axis and diagonal
+//! the phase also travels beside the ray, a second-order effect too small to see with d25 only. The group delay weighs
+//! what arrives late, as the rest that the layers send back. Behind layers of 20 cells, as scenes have them, it is off
+//! by 1.3e-4 at 18 kHz on the papers' grid, and by more at larger Courant numbers (3.4e-4 at 0.65); behind 40 cells by
+//! 5e-5 at all.
+//! Tolerance: 1e-4 of the phase velocity, while its own error is up to 2.6 % (slf) and 0.7 % (m13), and 2e-4 of the
+//! group velocity, whose own error is three times as large (1e-4 below 18 kHz); with d25 the phase velocity also within
+//! 0.1 % of the speed of sound to 18 kHz.
 
+use super::measurement::{Depth, Measurement, named, schemes};
 use super::rig::Rig;
 use super::setting::Setting;
-use super::{Depth, Measurement, named, schemes};
 use crate::exact::hankel::{hankel0, hankel1};
 use fdtd::Error;
 use fdtd::scheme::Scheme;
@@ -28,18 +31,18 @@ pub const TOLERANCES: [f64; 2] = [1e-4, 2e-4];
 pub struct Velocity {
     /// By the dispersion relation, over the speed of sound.
     pub expected: f64,
-    /// What was measured over what was expected, minus 1.
+    /// Measured over expected value, minus 1.
     pub error: f64,
 }
 
 impl Velocity {
-    /// What was measured over the speed of sound, minus 1.
+    /// Measured speed over the speed of sound, minus 1.
     pub fn off(&self) -> f64 {
         self.expected * (1.0 + self.error) - 1.0
     }
 }
 
-/// How fast sound was measured to be.
+/// A measured speed of sound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Velocities {
     /// Where.
@@ -124,7 +127,7 @@ fn group_delay_s(rig: &Rig, signal: &[f64], frequency_hz: f64) -> f64 {
     (rig.line(&later, frequency_hz) / rig.line(signal, frequency_hz)).re
 }
 
-/// What a direction of whole cells draws.
+/// Setting of a direction of whole cells.
 pub fn drawn(scheme: Scheme, step: [usize; 2]) -> Setting {
     Setting::drawn("dispersion", &format!("{scheme}, {step:?}"))
 }

@@ -1,13 +1,16 @@
 //! A million steps in f32 between rigid walls.
 //!
-//! Layout: the closed room of the energy law, 64 x 64 cells; 120 periods of a tone in a whole number of steps (2000 on the papers' grid), then silence up to a million (8.3 s).
-//! Formula: energy stays; the mean pressure is `rho c^2 / area` times the integral of q, which is zero after whole periods.
-//! Bias: rounding is a random walk. Without the restoring quantum its double sum would move the mean by more than the sound.
+//! Layout: the closed room of the energy law, 64 x 64 cells; 120 periods of a tone in a whole number of steps (2000 on
+//! the papers' grid), then silence up to a million (8.3 s).
+//! Formula: energy stays; the mean pressure is `rho c^2 / area` times the integral of q, which is zero after whole
+//! periods.
+//! Bias: rounding is a random walk. Without the restoring quantum its double sum would move the mean by more than the
+//! sound.
 //! Tolerance: 1e-3 of the energy; the mean below 1 % of the root mean square.
 
+use super::measurement::{Depth, Measurement, named};
 use super::room::{closed_rig, energy};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use fdtd::Error;
 use fdtd::field::Field;
 use fdtd::scheme::Scheme;
@@ -23,7 +26,8 @@ pub const SCHEMES: [Scheme; 3] = [Scheme::Slf, Scheme::O13, Scheme::D25];
 /// Largest relative change of the energy, and largest mean over the root mean square.
 pub const TOLERANCES: [f64; 2] = [1e-3, 0.01];
 
-/// Relative change of the energy over `steps` steps of silence, and the largest mean pressure over the root mean square of all pressures.
+/// Relative change of the energy over `steps` steps of silence, and the largest mean pressure over the root mean square
+/// of all pressures.
 pub fn drift(setting: &Setting, scheme: Scheme, steps: usize) -> [f64; 2] {
     let conditions = &setting.conditions;
     let rig = closed_rig(setting, scheme, 64);

@@ -1,22 +1,27 @@
 //! Echoes of rigid walls: one wall's image source, and the time scale of two reflections between parallel walls.
 //!
-//! Layout, one wall: 2 m x 2 m, a wall over the whole height through the layers; source and microphone 0.6 m and 0.45 m in front of it,
-//! side by side or 0.7 m apart along it, anywhere along it. A run without the wall is subtracted.
-//! Formula: the image source of equal sign behind the wall's face, which lies on the cells' border; [`crate::exact::monopole`].
+//! Layout, one wall: 2 m x 2 m, a wall over the whole height through the layers; source and microphone 0.6 m and 0.45 m
+//! in front of it, side by side or 0.7 m apart along it, anywhere along it. A run without the wall is subtracted.
+//! Formula: the image source of equal sign behind the wall's face, which lies on the cells' border;
+//! [`crate::exact::monopole`].
 //! Bias: as in free field over the echo's way.
-//! Tolerance: 1.2 % of the waveform, 0.02 dB, 0.3 us at 4 kHz (m13); 6 %, 0.06 dB, 4 us at 2 kHz (slf); 4 %, 0.02 dB, 1.5 us at 4 kHz (d25). Half a cell
-//! of error in the wall's place would be 15 us, a wall that takes the pressure instead of the flow would turn the sign.
+//! Tolerance: 1.2 % of the waveform, 0.02 dB, 0.3 us at 4 kHz (m13); 6 %, 0.06 dB, 4 us at 2 kHz (slf); 4 %, 0.02 dB,
+//! 1.5 us at 4 kHz (d25). Half a cell of error in the wall's place would be 15 us, a wall that takes the pressure
+//! instead of the flow would turn the sign.
 //!
-//! Layout, two walls: 1 m between two parallel walls, a pair in one point anywhere along them that drives from one to the other at 0.4 m/s; a burst of 10 kHz. Both
-//! walls minus each of them plus none leaves what was reflected twice and more; the window holds the twofold echo alone.
+//! Layout, two walls: 1 m between two parallel walls, a pair in one point anywhere along them that drives from one to
+//! the other at 0.4 m/s; a burst of 10 kHz. Both walls minus each of them plus none leaves what was reflected twice and
+//! more; the window holds the twofold echo alone.
 //! Formula: its images are 2 m ahead and behind and move with the pair: time scale 1, whatever the speed.
-//! Bias: the two images arrive 14 us apart, which bends the phase of a short burst, and dispersion shifts the burst in the windows: the images'
-//! exact signal goes through the same windows, and both are held against the same pair at rest.
-//! Tolerance: 2e-5 (d25), 1e-4 (m13, whose group velocity is 1.2 % low at 10 kHz). One reflection alone has 1 +- 2.4e-3.
+//! Bias: the two images arrive 14 us apart, which bends the phase of a short burst, and dispersion shifts the burst in
+//! the windows: the images' exact signal goes through the same windows, and both are held against the same pair at
+//! rest.
+//! Tolerance: 2e-5 (d25), 1e-4 (m13, whose group velocity is 1.2 % low at 10 kHz). One reflection alone has 1 +-
+//! 2.4e-3.
 
+use super::measurement::{Depth, Measurement, named};
 use super::rig::{Rig, decibels, difference, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use crate::exact::monopole::burst_on_path;
 use fdtd::Error;
 use fdtd::scheme::Scheme;
@@ -30,7 +35,8 @@ pub const CASES: [(Scheme, f64, [f64; 3]); 3] = [
     (Scheme::D25, 4e3, [0.04, 0.02, 1.5e-6]),
 ];
 
-/// Error of the echo's waveform (relative), level in dB and delay in s on the papers' grid, as are frequency and distance.
+/// Error of the echo's waveform (relative), level in dB and delay in s on the papers' grid, as are frequency and
+/// distance.
 ///
 /// # Errors
 /// When the field becomes non-finite.
@@ -118,7 +124,8 @@ pub fn parallel_walls(setting: &Setting, scheme: Scheme) -> Result<f64, Error> {
     let burst = conditions.burst(FREQUENCY_HZ, 500.0);
     let strength = |t_s: f64| burst.value(t_s);
     let arrival_s = 2.0 * gap_m / conditions.medium.c_mps + burst.centre_s;
-    // Half a window before and after the arrival; threefold echoes come 2.3 ms later, 7 standard deviations of the burst.
+    // Half a window before and after the arrival; threefold echoes come 2.3 ms later, 7 standard deviations of the
+    // burst.
     let window = (conditions.s(0.8e-3) / conditions.dt_s) as usize;
     let middle = (arrival_s / conditions.dt_s) as usize;
     let steps = middle + window + 1;

@@ -1,16 +1,17 @@
-//! A line source in free field, at rest and moving, heard by a microphone at rest and moving; and reciprocity.
+//! A line source in free field, at rest and moving, with a microphone at rest and moving; and reciprocity.
 //!
-//! Layout: 2.2 m x 2 m with a layer on all sides; burst with a Gaussian envelope; source and microphone about 0.75 m apart, off the
-//! cells' centres and anywhere in the domain. Fast motion (a tenth of the speed of sound) makes every Mach number's power count.
+//! Layout: 2.2 m x 2 m with a layer on all sides; burst with a Gaussian envelope; source and microphone about 0.75 m
+//! apart, off the cells' centres and anywhere in the domain. Fast motion (a tenth of the speed of sound) makes every
+//! Mach number's power count.
 //! Formula: retarded integral, [`crate::exact::monopole`]; `p(a -> b) = p(b -> a)`.
-//! Bias: dispersion. In phase it grows with frequency cubed (slf) or faster (m13), so the waveform is compared at 4 kHz and 2 kHz (slf);
-//! d25 spreads its error of 0.05 % over the whole band, which is 2 % of the waveform at 4 kHz.
-//! Tolerance: 0.4 % of the waveform and 0.02 dB (m13), 2 % and 0.06 dB (slf), 2.5 % and 0.02 dB (d25). A wrong power of the Doppler
-//! factor would be 5 % and 0.4 dB. Reciprocity: 1e-4 of the strongest line at 3 to 13 kHz.
+//! Bias: dispersion. In phase it grows with frequency cubed (slf) or faster (m13), so the waveform is compared at 4 kHz
+//! and 2 kHz (slf); d25 spreads its error of 0.05 % over the whole band, which is 2 % of the waveform at 4 kHz.
+//! Tolerance: 0.4 % of the waveform and 0.02 dB (m13), 2 % and 0.06 dB (slf), 2.5 % and 0.02 dB (d25). A wrong power of
+//! the Doppler factor would be 5 % and 0.4 dB. Reciprocity: 1e-4 of the strongest line at 3 to 13 kHz.
 
+use super::measurement::{Depth, Measurement, named, schemes};
 use super::rig::{Path, Rig, decibels, difference, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement, named, schemes};
 use crate::exact::monopole::burst_on_path;
 use fdtd::Error;
 use fdtd::scheme::Scheme;
@@ -26,7 +27,7 @@ pub const CASES: [(Scheme, f64, f64, f64); 3] = [
 /// Paths of a source and a microphone.
 #[derive(Debug, Clone, Copy)]
 pub struct Motion {
-    /// What moves.
+    /// The moving parts.
     pub name: &'static str,
     /// Source in metres at a time in seconds, on the papers' grid.
     pub source: fn(f64) -> [f64; 2],
@@ -129,8 +130,8 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
     Ok(found)
 }
 
-/// Largest difference of the lines at 3 to 13 kHz when source and microphone change places between slanted and bent walls, over the
-/// strongest line.
+/// Largest difference of the lines at 3 to 13 kHz when source and microphone change places between slanted and bent
+/// walls, over the strongest line.
 ///
 /// # Errors
 /// When the field becomes non-finite.

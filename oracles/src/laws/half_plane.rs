@@ -1,24 +1,25 @@
 //! Diffraction at the edge of a rigid half plane.
 //!
-//! Layout: 1.6 m x 1.5 m; a wall one cell thick ends in the middle and runs through the layer; a burst of 2 kHz from 0.4 m at 60
-//! degrees to the wall, heard at 0.32 m from the edge at several angles: where the face reflects, in the light, at the shadow's border (240
-//! degrees) and down to 20 degrees behind the wall.
-//! Formula: Sommerfeld's half plane in time, [`crate::exact::half_plane`]. What reflects is the wall's face; behind the wall what counts
-//! is its middle. Its edge lies beyond the wall's end: the potential flow round the square end of a plate of thickness d is, at a distance r, that
-//! round an edge further out by
+//! Layout: 1.6 m x 1.5 m; a wall one cell thick ends in the middle and runs through the layer; a burst of 2 kHz from
+//! 0.4 m at 60 degrees to the wall, received at 0.32 m from the edge at several angles: where the face reflects, in the
+//! light, at the shadow's border (240 degrees) and down to 20 degrees behind the wall.
+//! Formula: Sommerfeld's half plane in time, [`crate::exact::half_plane`]. What reflects is the wall's face; behind the
+//! wall what counts is its middle. Its edge lies beyond the wall's end: the potential flow round the square end of a
+//! plate of thickness d is, at a distance r, that round an edge further out by
 //! ```text
 //! e = d / (2 pi) (1 + ln(4 pi r / d)),    z = (d / pi) (w sqrt(w^2 - 1) - arcosh w)  (Schwarz and Christoffel)
 //! ```
-//! and the flow turns into waves at `r = 1/k`: 4.1 mm here. With the edge at the wall's end the deep shadow would be 0.18 rad early, an error of
-//! 18 % of the waveform, because the way round the edge is shorter by `e` times the sum of both cosines.
-//! Bias: what else is of the order of `k d` = 0.18 behind the wall; it halves with the thickness in wavelengths, which the row with twice the
-//! wavelength and all lengths but the thickness doubled shows.
-//! Tolerance: 2.5 % and 0.15 dB on the source's side, 6.5 % and 0.55 dB behind the wall, half of that at twice the wavelength. Without
-//! diffraction the shadow would be silent.
+//! and the flow turns into waves at `r = 1/k`: 4.1 mm here. With the edge at the wall's end the deep shadow would be
+//! 0.18 rad early, an error of 18 % of the waveform, because the way round the edge is shorter by `e` times the sum of
+//! both cosines.
+//! Bias: what else is of the order of `k d` = 0.18 behind the wall; it halves with the thickness in wavelengths, which
+//! the row with twice the wavelength and all lengths but the thickness doubled shows.
+//! Tolerance: 2.5 % and 0.15 dB on the source's side, 6.5 % and 0.55 dB behind the wall, half of that at twice the
+//! wavelength. Without diffraction the shadow would be silent.
 
+use super::measurement::{Depth, Measurement, named};
 use super::rig::{Rig, decibels, difference, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use crate::exact::half_plane::HalfPlane;
 use fdtd::Error;
 use fdtd::scheme::Scheme;
@@ -46,7 +47,8 @@ pub fn edge_beyond_m(thickness_m: f64, wave_number: f64) -> f64 {
     thickness_m / TAU * (1.0 + (4.0 * PI / (wave_number * thickness_m)).ln())
 }
 
-/// Compares the field at an angle from the wall, counter-clockwise over the source's side; `times` 2 doubles wavelength and distances.
+/// Compares the field at an angle from the wall, counter-clockwise over the source's side; `times` 2 doubles wavelength
+/// and distances.
 ///
 /// # Errors
 /// When the field becomes non-finite.

@@ -1,19 +1,22 @@
 //! Reflection of walls of an impedance over angle.
 //!
-//! Layout: a duct of 96 cells between rigid walls, which carries one mode across it: plane waves that meet the wall at the duct's end at
-//! an angle. A packet of the mode is set moving towards the end; what a microphone in the duct hears after the packet has passed
-//! is Fourier transformed, and divided by the same with a rigid end. The end lies on a cell border, or leaves a part of a cell open.
+//! Layout: a duct of 96 cells between rigid walls, which carries one mode across it: plane waves that meet the wall at
+//! the duct's end at an angle. A packet of the mode is set moving towards the end; the signal of a microphone in the
+//! duct after the packet has passed is Fourier transformed, and divided by the same with a rigid end. The end lies on a
+//! cell border, or leaves a part of a cell open.
 //! Formula: `(Z cos - rho c)/(Z cos + rho c)`, the angle being that of the continuum.
-//! Bias: none of dispersion on the way, which cancels; the scheme's own error of the group velocity counts as the surface's.
-//! Tolerance: 0.02 at 4 kHz (all schemes) and 10 kHz (m13, o13, d25), Z/(rho c) from 0.05 to 20, 0 to 62 and 73 degrees, wherever the wall lies in
-//! the cells, up to a Courant number of 0.58. At 13 kHz, and with slf at 10 kHz, it is shown.
-//! Above 0.58 the schemes but slf leave less for the surface's springs (at 0.636 to 0.653 scenes are refused), and the error grows: 0.017 to 0.025 at 0.594,
-//! 0.021 to 0.042 at 0.604, 0.025 to 0.036 at 0.618. There 0.05 is allowed.
+//! Bias: none of dispersion on the way, which cancels; the scheme's own error of the group velocity counts as the
+//! surface's.
+//! Tolerance: 0.02 at 4 kHz (all schemes) and 10 kHz (m13, o13, d25), Z/(rho c) from 0.05 to 20, 0 to 62 and 73
+//! degrees, wherever the wall lies in the cells, up to a Courant number of 0.58. At 13 kHz, and with slf at 10 kHz, it
+//! is shown. Above 0.58 the schemes but slf leave less for the surface's springs (at 0.636 to 0.653 scenes are
+//! refused), and the error grows: 0.017 to 0.025 at 0.594, 0.021 to 0.042 at 0.604, 0.025 to 0.036 at 0.618. There 0.05
+//! is allowed.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, named};
 use super::rig::Rig;
 use super::setting::Setting;
-use super::{Depth, Measurement, named};
 use fdtd::Error;
 use fdtd::field::{Field, FieldState};
 use fdtd::scheme::Scheme;
@@ -32,7 +35,7 @@ pub const CASES: [(f64, [usize; 4]); 3] = [
     (13e3, [0, 18, 28, 35]),
 ];
 
-/// What the wall leaves of the cell before it: all, where its face lies on a cell border, or a part.
+/// Open parts of the cell before the wall: all, where its face lies on a cell border, or a part.
 pub const PLACES: [f64; 3] = [1.0, 0.6, 0.2];
 
 /// Whether a scheme is held to the tolerance at a frequency in hertz.
@@ -40,7 +43,7 @@ pub fn is_held(scheme: Scheme, frequency_hz: f64) -> bool {
     frequency_hz < 5e3 || (frequency_hz < 11e3 && scheme != Scheme::Slf)
 }
 
-/// What the reflection factor may be off.
+/// Tolerances of the reflection factor.
 pub fn tolerance(scheme: Scheme, conditions: &Conditions) -> f64 {
     if scheme == Scheme::Slf || conditions.has_accurate_impedances() {
         0.02
@@ -60,7 +63,8 @@ const START: usize = 160;
 /// Standard deviation of the packet along the duct, in cells.
 const SIGMA: f64 = 37.0;
 
-/// Spectrum at `frequency_hz` on the papers' grid of what comes back of a mode from an end of an impedance, rigid when `None`.
+/// Spectrum at `frequency_hz` on the papers' grid of what comes back of a mode from an end of an impedance, rigid when
+/// `None`.
 pub(super) fn heard(
     setting: &Setting,
     scheme: Scheme,
@@ -110,7 +114,8 @@ pub(super) fn heard(
         previous: packet(1.0),
         ..blank
     });
-    // The packet is at the end when the microphone is in silence; then it hears what comes back, until that has gone by.
+    // The packet is at the end when the microphone is in silence; then it receives the reflection until that has gone
+    // by.
     let steps = |cells: usize| (cells as f64 / group) as usize;
     field.advance(&rig.silence(steps(END - START)), &mut Vec::new());
     let clear = SIDE + 8..SIDE + width - 8;
@@ -129,14 +134,14 @@ pub(super) fn sine(frequency_hz: f64, mode: usize) -> f64 {
     mode as f64 * medium.c_mps / (2.0 * WIDTH as f64 * dx_m * frequency_hz)
 }
 
-/// What a case draws.
+/// Setting of a case.
 pub fn setting(scheme: Scheme, frequency_hz: f64, place: f64) -> Setting {
     let case = format!("{scheme}, {} kHz, {place} of a cell", frequency_hz / 1e3);
     Setting::before_surfaces(scheme, "impedance", &case)
 }
 
-/// Largest error of the reflection factor over impedances and angles, with the angle in degrees and the ratio where it is; `place` is what the
-/// wall leaves of the cell before it.
+/// Largest error of the reflection factor over impedances and angles, with the angle in degrees and the ratio where it
+/// is; `place` is the open part of the cell before the wall.
 pub fn largest(
     setting: &Setting,
     scheme: Scheme,

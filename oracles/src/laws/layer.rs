@@ -1,14 +1,15 @@
-//! What the absorbing layer sends back.
+//! Reflection of the absorbing layer.
 //!
-//! Layout: source and microphone 0.3 m in front of the layer of 20 cells and as far apart as the angle asks; a broad burst (3 to 13 kHz at -20 dB).
-//! The same in a grid whose every border is 1 m further away is subtracted.
-//! Formula: reflection = peak of the difference over peak of the echo that a rigid wall in the layer's place would send (image source).
+//! Layout: source and microphone 0.3 m in front of the layer of 20 cells and as far apart as the angle requires; a
+//! broad burst (3 to 13 kHz at -20 dB). The same in a grid whose every border is 1 m further away is subtracted.
+//! Formula: reflection = peak of the difference over peak of the echo that a rigid wall in the layer's place would send
+//! (image source).
 //! Bias: the difference holds the echoes of all four borders, so it is an upper bound.
 //! Tolerance: -60 dB at 0, 30, 45 and 60 degrees, -40 dB at 80, all schemes.
 
+use super::measurement::{Depth, Measurement, named, schemes};
 use super::rig::{Rig, decibels, difference};
 use super::setting::Setting;
-use super::{Depth, Measurement, named, schemes};
 use crate::exact::monopole::burst_on_path;
 use fdtd::Error;
 use fdtd::scheme::Scheme;

@@ -1,6 +1,7 @@
 //! The rig of all laws: a grid with a source and a receiver on any paths, as the simulation runs it.
 //!
-//! Walls and paths are given as the law's layout has them; the rig's setting says how the layout lies on the grid ([`super::setting`]).
+//! Walls and paths are given as the law's layout has them; the rig's setting says how the layout lies on the grid
+//! ([`super::setting`]).
 
 use super::conditions::Conditions;
 use super::setting::Setting;
@@ -10,7 +11,7 @@ use fdtd::field::{FastField, Field, FieldSetup, FieldState, StepForcing};
 use fdtd::grid::Grid;
 use fdtd::scene::Scene;
 use fdtd::scheme::{Polynomial, Scheme};
-use fdtd::simulation::{Domain, Drive, Flow, Simulation, SimulationOptions};
+use fdtd::simulation::{Domain, Flow, MovingPair, Simulation, SimulationOptions};
 use fdtd::spread::Spread;
 use fdtd::walls::{SolidMask, Wall, WallCells, WallModel};
 use fdtd::waveform::PeriodicWaveform;
@@ -58,7 +59,7 @@ impl Rig {
         &self.setting.conditions
     }
 
-    /// What the layout has at its cells `(ix, iy)`, in the grid's order.
+    /// Values of the layout at its cells `(ix, iy)`, in the grid's order.
     pub fn cells<T>(&self, of: impl Fn(usize, usize) -> T) -> Vec<T> {
         let [nx, ny] = self.walls.size();
         (0..nx * ny)
@@ -110,7 +111,8 @@ impl Rig {
         self.conditions().courant()
     }
 
-    /// The scheme as it is computed: with its coefficients rounded ([`Scheme::weights`]), which turns the phase of a wave by up to 3e-7 a step.
+    /// The scheme as it is computed: with its coefficients rounded ([`Scheme::weights`]), which turns the phase of a
+    /// wave by up to 3e-7 a step.
     pub fn polynomial(&self) -> Polynomial {
         let courant = self.courant();
         let weights = self.scheme.weights(courant);
@@ -155,7 +157,7 @@ impl Rig {
         receiver: Path<'_>,
         strength: &dyn Fn(f64) -> f64,
         steps: usize,
-    ) -> Drive {
+    ) -> MovingPair {
         let dt_s = self.conditions().dt_s;
         let table = |path: Path<'_>| -> Vec<[f64; 2]> {
             let times_s = (0..=steps).map(|n| n as f64 * dt_s);
@@ -166,7 +168,7 @@ impl Rig {
         let strength: Vec<f64> = (0..=steps).map(|n| strength(n as f64 * dt_s)).collect();
         let [source, receiver] =
             [source, receiver].map(|table| Box::new(move |t_s: f64| table[at(t_s)]));
-        Drive::new(
+        MovingPair::new(
             &self.domain(),
             source,
             receiver,
@@ -210,7 +212,7 @@ impl Rig {
         };
         let dt_s = self.conditions().dt_s;
         let duration_s = steps as f64 * dt_s;
-        // What is heard is what the field has; the signal is not looked at.
+        // The field is measured, not the signal.
         let (rate_hz, band_hz) = (1.0 / (3.0 * dt_s), 0.15 / dt_s);
         let domain = self.domain();
         let mut simulation =
@@ -253,7 +255,7 @@ impl Rig {
 /// A standing wave after a while.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Swing {
-    /// What the field has of it now, over what it started with.
+    /// Its amplitude in the field now, over that at the start.
     pub amplitude: f64,
     /// The phase that it has come to, -pi to pi.
     pub turned_rad: f64,
@@ -262,7 +264,8 @@ pub struct Swing {
 }
 
 impl Rig {
-    /// Lets a field swing that starts as the standing wave `shape`, in the grid's order ([`Rig::cells`]), at its largest, of `omega_dt` radians a step.
+    /// Lets a field swing that starts as the standing wave `shape`, in the grid's order ([`Rig::cells`]), at its
+    /// largest, of `omega_dt` radians a step.
     pub fn swing(&self, shape: &[f64], omega_dt: f64, steps: usize) -> Swing {
         let mut field = self.field();
         let blank = field.state();
@@ -309,7 +312,8 @@ pub fn decibels(ratio: f64) -> f64 {
     20.0 * ratio.log10()
 }
 
-/// What walls add to a recording on a path of a scene, in Pa: `heard` takes the signal from the finished run, with walls and without.
+/// Echoes in a recording on a path of a scene, in Pa: `heard` takes the signal from the finished run, with walls and
+/// without.
 ///
 /// # Errors
 /// When the scene has no such path, or a field becomes non-finite.

@@ -1,31 +1,37 @@
 //! Between rigid walls: standing waves, energy, order of convergence.
 //!
-//! Layout, modes: a box of 96 x 64 cells inside solid walls; the field starts as one mode and is left alone for 3000 steps (25 ms).
-//! Formula: `cos(pi m (x - x0)/Lx) cos(pi n (y - y0)/Ly) cos(omega t)`; on the grid with `4 sin^2(omega dt/2)` the scheme's symbol of
-//! `4 sin^2(pi m / 2 Nx)` and `4 sin^2(pi n / 2 Ny)`, with the coefficients as they are rounded, plus the restoring quantum; in the continuum `omega = c pi hypot(m/Lx, n/Ly)`.
-//! Bias: dispersion against the continuum, where the restoring quantum's share is taken off (1.7e-4 of the lowest mode's frequency on the papers' grid,
-//! by the Courant number squared more or less elsewhere); against the grid's formula the constant mode, which is a double sum of rounding errors in `f32`. Where
-//! a mode is the same all along one side, a whole row rounds alike: up to 5e-4 of the mode after 25 ms (d25), at some Courant numbers a hundredth of that.
-//! Tolerance: 1e-4 of the amplitude against the grid's formula over up to 170 periods (a phase of 1e-7 of them), 2e-5 for all other modes together, 1e-3
-//! for the mean; the frequency within 0.02 % (m13), 0.06 % (d25) and 0.6 % (slf) of the continuum's below 5 kHz, or as much more as dispersion is larger
-//! than on the papers' grid.
+//! Layout, modes: a box of 96 x 64 cells inside solid walls; the field starts as one mode and is left alone for 3000
+//! steps (25 ms).
+//! Formula: `cos(pi m (x - x0)/Lx) cos(pi n (y - y0)/Ly) cos(omega t)`; on the grid with `4 sin^2(omega dt/2)` the
+//! scheme's symbol of `4 sin^2(pi m / 2 Nx)` and `4 sin^2(pi n / 2 Ny)`, with the coefficients as they are rounded,
+//! plus the restoring quantum; in the continuum `omega = c pi hypot(m/Lx, n/Ly)`.
+//! Bias: dispersion against the continuum, where the restoring quantum's share is taken off (1.7e-4 of the lowest
+//! mode's frequency on the papers' grid, by the Courant number squared more or less elsewhere); against the grid's
+//! formula the constant mode, which is a double sum of rounding errors in `f32`. Where a mode is the same all along one
+//! side, a whole row rounds alike: up to 5e-4 of the mode after 25 ms (d25), at some Courant numbers a hundredth of
+//! that.
+//! Tolerance: 1e-4 of the amplitude against the grid's formula over up to 170 periods (a phase of 1e-7 of them), 2e-5
+//! for all other modes together, 1e-3 for the mean; the frequency within 0.02 % (m13), 0.06 % (d25) and 0.6 % (slf) of
+//! the continuum's below 5 kHz, or as much more as dispersion is larger than on the papers' grid.
 //!
-//! Layout, energy: a closed polygon of whole cells with slanted sides and a screen in it, and a box turned by 12 degrees in cut cells with a slanted
-//! screen, 160 x 160 cells; a broad burst, then 20 000 steps without a source.
-//! Formula: the leapfrog's invariant `|p' - p|^2 / 2 - <p', L p> / 2` in the inner product of the open areas, with `L p = p' - 2 p + p''` from three
-//! successive fields.
+//! Layout, energy: a closed polygon of whole cells with slanted sides and a screen in it, and a box turned by 12
+//! degrees in cut cells with a slanted screen, 160 x 160 cells; a broad burst, then 20 000 steps without a source.
+//! Formula: the leapfrog's invariant `|p' - p|^2 / 2 - <p', L p> / 2` in the inner product of the open areas, with
+//! `L p = p' - 2 p + p''` from three successive fields.
 //! Bias: none; the operator is symmetric.
-//! Tolerance: 1e-4 of the energy over the run. A wall that is not symmetric would blow up or decay within some hundred steps.
+//! Tolerance: 1e-4 of the energy over the run. A wall that is not symmetric would blow up or decay within some hundred
+//! steps.
 //!
 //! Layout, order: one mode in a box of 24 x 16 and of 48 x 32 cells at the same Courant number, as long in periods.
-//! Formula: the error of its frequency falls by 2^order. d25 has no order in its band: its error is spread over it, below 0.1 %.
+//! Formula: the error of its frequency falls by 2^order. d25 has no order in its band: its error is spread over it,
+//! below 0.1 %.
 //! Bias: the restoring quantum's share is taken off.
 //! Tolerance: 0.2 of the order.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, larger, named, schemes};
 use super::rig::{Rig, wrapped};
 use super::setting::Setting;
-use super::{Depth, Measurement, larger, named, schemes};
 use fdtd::Error;
 use fdtd::field::{FastField, Field};
 use fdtd::scheme::{RESTORING_QUANTUM, Scheme};
@@ -125,7 +131,8 @@ pub fn mode(setting: &Setting, scheme: Scheme, mode: [f64; 2]) -> Ringing {
     ring(setting, scheme, [96, 64], mode, 3000)
 }
 
-/// How far a mode below 5 kHz may be off the continuum's frequency: as dispersion says, by what it is on the papers' grid.
+/// How far a mode below 5 kHz may be off the continuum's frequency: as dispersion says, by what it is on the papers'
+/// grid.
 pub fn detuning_allowed(conditions: &Conditions, scheme: Scheme) -> f64 {
     let on_papers_grid = match scheme {
         Scheme::Slf => 6e-3,

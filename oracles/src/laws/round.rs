@@ -1,23 +1,26 @@
 //! Round walls: the field before, beside and behind a rigid cylinder, and standing waves in a round room.
 //!
-//! Layout, cylinder: a closed wall of 180 chords (10 mm, two cells) whose surface has a radius of 0.3 m, with its axis in three places of a cell; a burst of
-//! 10 kHz from 0.42 m before the surface in the direction of 0, 10, 30 and 45 degrees. Heard 0.38 m before it on the same line, less a run without the
-//! cylinder: the echo. Heard 0.1 m from the surface 120 degrees round the axis: in the shadow, 8.7 dB weaker, where the sound has crept along the wall.
+//! Layout, cylinder: a closed wall of 180 chords (10 mm, two cells) whose surface has a radius of 0.3 m, with its axis
+//! in three places of a cell; a burst of 10 kHz from 0.42 m before the surface in the direction of 0, 10, 30 and 45
+//! degrees. Received 0.38 m before it on the same line, less a run without the cylinder: the echo. Received 0.1 m from
+//! the surface 120 degrees round the axis: in the shadow, 8.7 dB weaker, where the sound has crept along the wall.
 //! Formula: the series of a rigid cylinder, [`crate::exact::cylinder`].
-//! Bias: dispersion on the way, which is not the wall's; the reference is the field itself in an open grid, for the echo 0.8 m from the source towards
-//! the axis, for the shadow where the microphone is, times what the series says of the ratio.
+//! Bias: dispersion on the way, which is not the wall's; the reference is the field itself in an open grid, for the
+//! echo 0.8 m from the source towards the axis, for the shadow where the microphone is, times what the series says of
+//! the ratio.
 //! Tolerance: 0.3 dB and 2 us for the echo, 0.6 dB and 2 us in the shadow (m13, o13, d25). Stairs are shown beside it.
 //!
-//! Layout, room: the same wall seen from within, radius 0.3 m; the field starts as one standing wave and is left alone for 1200 steps (10 ms).
-//! Formula: `J_m(kappa r) cos(m phi)`, `J_m'(kappa a) = 0`, at the frequency that the scheme's waves of the wave number `kappa` have in the mean over
-//! directions.
+//! Layout, room: the same wall seen from within, radius 0.3 m; the field starts as one standing wave and is left alone
+//! for 1200 steps (10 ms).
+//! Formula: `J_m(kappa r) cos(m phi)`, `J_m'(kappa a) = 0`, at the frequency that the scheme's waves of the wave number
+//! `kappa` have in the mean over directions.
 //! Bias: the restoring quantum's share is taken off.
 //! Tolerance: 2e-4 of the frequency, a radius right within 0.06 mm. Stairs are shown beside it.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, larger, named};
 use super::rig::{Rig, decibels, difference, wrapped};
 use super::setting::Setting;
-use super::{Depth, Measurement, larger, named};
 use crate::exact::cylinder::{mode, scattered, standing};
 use crate::exact::hankel::hankel;
 use fdtd::Error;
@@ -36,7 +39,8 @@ const CHORDS: usize = 180;
 /// Directions of the source from the axis in degrees.
 pub const BEARINGS_DEG: [f64; 4] = [0.0, 10.0, 30.0, 45.0];
 
-/// Angles round the axis from the source to the microphone in degrees, and the largest errors of cut cells: level in dB, delay in s.
+/// Angles round the axis from the source to the microphone in degrees, and the largest errors of cut cells: level in
+/// dB, delay in s.
 pub const ROUND: [(f64, [f64; 2]); 2] = [(0.0, [0.3, 2e-6]), (120.0, [0.6, 2e-6])];
 
 /// Numbers of the standing waves: of periods round the axis, and of the zero.
@@ -73,8 +77,8 @@ fn at(axis_m: [f64; 2], distance_m: f64, angle_rad: f64) -> [f64; 2] {
     [axis_m[0] + distance_m * cos, axis_m[1] + distance_m * sin]
 }
 
-/// Error of what is heard of a cylinder, `round_deg` round the axis from the source (0 for the echo): level in dB and delay in s
-/// on the papers' grid.
+/// Error of the signal of a cylinder, `round_deg` round the axis from the source (0 for the echo): level in dB and
+/// delay in s on the papers' grid.
 ///
 /// # Errors
 /// When the field becomes non-finite.
@@ -114,7 +118,7 @@ pub fn cylinder(
     let alone = hear(&open, microphone_m)?;
     let k = TAU * burst.frequency_hz / conditions.medium.c_mps;
     let series = scattered(k * radius, [k * source, k * heard], round);
-    // What is measured, its reference, and their ratio by the series.
+    // The measured signal, its reference, and their ratio by the series.
     let (measured, reference, exact) = if echo {
         let way = conditions.m(0.8);
         let behind = hear(&open, at(axis_m, source - way, bearing))?;
@@ -133,12 +137,13 @@ pub fn cylinder(
     Ok([decibels(ratio.norm()), -ratio.arg() / (TAU * FREQUENCY_HZ)])
 }
 
-/// What a case of the law draws, whatever the wall is made into.
+/// Setting of a case, the same for all models of the wall.
 pub fn setting(scheme: Scheme, what: &str) -> Setting {
     Setting::drawn("round walls", &format!("{scheme}, {what}"))
 }
 
-/// The largest errors of level in dB and delay in s over directions of the source and places of the axis (one in the shadow), with their signs.
+/// The largest errors of level in dB and delay in s over directions of the source and places of the axis (one in the
+/// shadow), with their signs.
 ///
 /// # Errors
 /// When the field becomes non-finite.

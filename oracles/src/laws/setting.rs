@@ -1,13 +1,18 @@
-//! What a case of a law draws: its conditions, how its layout lies on the grid, how much larger the domain is, and where in it free places are.
+//! Setting of a case of a law, drawn by the case's name: conditions, orientation of the layout on the grid, enlargement
+//! of the domain, and free places in it.
 //!
-//! A layout is drawn with its walls above or on the right, say; mirrored and transposed it lies in any of eight ways, and walls in any half. The draw depends on
-//! nothing but the names of law and case.
+//! A layout is drawn with its walls above or on the right, say; mirrored and transposed it lies in any of eight ways,
+//! and walls in any half. The draw depends on nothing but the names of law and case.
+
+use std::hash::Hasher;
+
+use fnv::FnvHasher;
 
 use super::conditions::{CONDITIONS, Conditions};
 use fdtd::motion::MotionState;
 use fdtd::scheme::Scheme;
 
-/// How a layout lies on the grid.
+/// Orientation of a layout on the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Turn {
     /// Whether x and y are mirrored.
@@ -16,12 +21,12 @@ pub struct Turn {
     pub transposed: bool,
 }
 
-/// What a case draws.
+/// Setting of a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     /// Medium and grid.
     pub conditions: Conditions,
-    /// How the layout lies.
+    /// Orientation of the layout.
     pub turn: Turn,
     /// Cells that the domain has beyond the layout along its x and y, fewer than 8.
     pub more_cells: [usize; 2],
@@ -103,19 +108,19 @@ impl Setting {
         share: [0.5; 2],
     };
 
-    /// What a case draws.
+    /// Setting of a case.
     pub fn drawn(law: &str, case: &str) -> Self {
         Self::among(&CONDITIONS, law, case)
     }
 
-    /// What a case with walls of an impedance draws: of those conditions that the scheme allows for them.
+    /// Setting of a case with walls of an impedance: among the conditions that the scheme allows for them.
     pub fn before_surfaces(scheme: Scheme, law: &str, case: &str) -> Self {
         let mut allowed = CONDITIONS.to_vec();
         allowed.retain(|conditions| conditions.allows_impedance(scheme));
         Self::among(&allowed, law, case)
     }
 
-    /// What a case draws that takes walls of an impedance for accurate.
+    /// Setting of a case that relies on accurate walls of an impedance.
     pub fn before_accurate_surfaces(law: &str, case: &str) -> Self {
         let mut accurate = CONDITIONS.to_vec();
         accurate.retain(Conditions::has_accurate_impedances);
@@ -158,10 +163,11 @@ struct Draw {
 
 impl Draw {
     fn new(law: &str, case: &str) -> Self {
-        let letters = law.bytes().chain([0]).chain(case.bytes());
-        let state = letters.fold(0xcbf2_9ce4_8422_2325_u64, |hash, letter| {
-            (hash ^ u64::from(letter)).wrapping_mul(0x0100_0000_01b3)
-        });
+        let mut hasher = FnvHasher::default();
+        for name in [law, "\0", case] {
+            hasher.write(name.as_bytes());
+        }
+        let state = hasher.finish();
         Self { state }
     }
 

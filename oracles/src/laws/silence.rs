@@ -1,22 +1,23 @@
 //! Silence stays silent, in any air.
 //!
-//! Layout: 56 x 48 cells of 5 mm with layers of 16, steps of 1/120 ms, both open; a burst of 4 to 12 kHz, then 20 s of silence in `f32`. Air from
-//! -20 to 50 degC in steps of one degree, by `c = 331.3 sqrt(1 + T/273.15)` m/s.
-//! Formula: after the burst nothing brings energy in. The largest sum of squares in each 0.1 s must not exceed that of the 0.1 s before.
-//! Bias: the field's numbers end at 1e-20 Pa, which quiet steps set to zero.
-//! Tolerance: no growth of the sum of squares; -100 dB of the burst's at the end. Beside it a constant pressure, which no wave carries away
-//! and the layers must take: -40 dB after two seconds.
+//! Layout: 56 x 48 cells of 5 mm with layers of 16, steps of 1/120 ms, both open; a burst of 4 to 12 kHz, then 20 s of
+//! silence in `f32`. Air from -20 to 50 degC in steps of one degree, by `c = 331.3 sqrt(1 + T/273.15)` m/s.
+//! Formula: after the burst nothing brings energy in. The largest sum of squares in each 0.1 s must not exceed that of
+//! the 0.1 s before.
+//! Bias: the field's numbers end at 1e-20 Pa, which flushing steps set to zero.
+//! Tolerance: no growth of the sum of squares; -100 dB of the burst's at the end. Beside it a constant pressure, which
+//! no wave carries away and the layers must take: -40 dB after two seconds.
 
 use rayon::prelude::*;
 
+use super::measurement::{Depth, Measurement, schemes};
 use super::rig::decibels;
-use super::{Depth, Measurement, schemes};
 use crate::exact::burst::Burst;
 use fdtd::Error;
-use fdtd::field::{FastField, Field, FieldSetup, Injection, StepForcing, is_quiet};
+use fdtd::field::{FastField, Field, FieldSetup, Injection, StepForcing, flushes_subnormals};
 use fdtd::grid::{Grid, Medium};
 use fdtd::scheme::Scheme;
-use fdtd::simulation::{Domain, Drive};
+use fdtd::simulation::{Domain, MovingPair};
 use fdtd::spread::Spread;
 use fdtd::walls::WallCells;
 
@@ -58,7 +59,7 @@ pub fn silence(scheme: Scheme, medium: Medium, seconds: f64) -> [f64; 2] {
     };
     let place = |_: f64| [0.13, 0.115];
     let strength = move |t_s: f64| if t_s < end_s { burst.value(t_s) } else { 0.0 };
-    let mut drive = Drive::new(
+    let mut drive = MovingPair::new(
         &domain,
         Box::new(place),
         Box::new(place),
@@ -70,7 +71,7 @@ pub fn silence(scheme: Scheme, medium: Medium, seconds: f64) -> [f64; 2] {
         let forcing: Vec<_> = (from..from + steps)
             .map(|step| {
                 let mut forcing = drive.forcing(step);
-                forcing.quiet = is_quiet(scheme, step);
+                forcing.flush = flushes_subnormals(scheme, step);
                 forcing
             })
             .collect();
@@ -124,7 +125,7 @@ pub fn constant_db(scheme: Scheme, medium: Medium) -> f64 {
         amplitude: 0.0,
     };
     let silence = StepForcing {
-        quiet: false,
+        flush: false,
         injections: [still; 2],
         receiver: still.stencil,
     };

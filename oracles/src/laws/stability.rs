@@ -1,16 +1,18 @@
 //! No mode of the discrete operator grows.
 //!
-//! Layout: a room of 16 cells between layers of 8 to 32: open, with one wall, a closed right-angled corner, a slanted wall in cut cells, or a
-//! slanted wall of an impedance; Courant numbers from 0.2 to the scheme's limit (with an impedance, to what a scene may have).
-//! Formula: the step in `f64` with the weights as both engines have them in `f32` ([`PreciseField`]) starts from noise on a constant. What
-//! layers remember decays by `alpha` in time; of what is left then, slow swings in the corners of the layers and whatever grows, the largest
-//! eigenvalue is that of the step on the space of this state and its images after some steps each (Arnoldi).
+//! Layout: a room of 16 cells between layers of 8 to 32: open, with one wall, a closed right-angled corner, a slanted
+//! wall in cut cells, or a slanted wall of an impedance; Courant numbers from 0.2 to the scheme's limit (with an
+//! impedance, to what a scene may have).
+//! Formula: the step in `f64` with the weights as both engines have them in `f32` ([`PreciseField`]) starts from noise
+//! on a constant. What layers remember decays by `alpha` in time; of what is left then, slow swings in the corners of
+//! the layers and whatever grows, the largest eigenvalue is that of the step on the space of this state and its images
+//! after some steps each (Arnoldi).
 //! Bias: a mode that the start does not hold is not seen; noise holds all.
 //! Tolerance: spectral radius at most 1 + 1e-12.
 
 use rayon::prelude::*;
 
-use super::{Depth, Measurement, schemes};
+use super::measurement::{Depth, Measurement, schemes};
 use fdtd::Error;
 use fdtd::field::{FieldSetup, PreciseField};
 use fdtd::grid::{Grid, Medium};
@@ -38,7 +40,7 @@ pub const COURANTS: usize = 200;
 /// Steps from one vector of the space to the next: a seventh of a radian of the slowest swing there can be.
 const STRIDE: usize = 400;
 
-/// What stands in the room.
+/// Walls in the room.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Room {
     /// Nothing.
@@ -74,8 +76,8 @@ impl Room {
         }
     }
 
-    /// The walls, in cells from the room's lower left corner; `turn` varies place, slant and
-    /// impedance, `gap` is what a scene must leave between walls and layers.
+    /// The walls, in cells from the room's lower left corner; `turn` varies place, slant and impedance,
+    /// `gap` is the distance that a scene must leave between walls and layers.
     fn walls(self, turn: usize, gap: f64, rho_c: f64) -> Vec<Wall> {
         let shift = (turn % 7) as f64 / 7.0;
         let wall = |points: &[[f64; 2]]| Wall {
@@ -126,7 +128,7 @@ impl Room {
     }
 }
 
-/// What is simulated at a Courant number, with layers of so many cells and what stands in the room; `turn` varies the walls.
+/// The field at a Courant number, with layers of so many cells and walls in the room; `turn` varies the walls.
 pub fn setup(
     scheme: Scheme,
     courant: f64,

@@ -1,24 +1,27 @@
 //! Echoes of walls that lie across the grid: place, level, and what they scatter where no echo belongs.
 //!
-//! Layout, echo: a rigid wall of 1.6 m, tilted against the grid by 3, 10, 12 and 30 degrees and moved through the cells in three steps; source and microphone
-//! 0.42 m and 0.38 m in front of its middle on one line across it. A run without the wall is subtracted; what the ends of the wall
-//! diffract arrives 2.9 ms after the echo, when the burst of 10 kHz is over.
+//! Layout, echo: a rigid wall of 1.6 m, tilted against the grid by 3, 10, 12 and 30 degrees and moved through the cells
+//! in three steps; source and microphone 0.42 m and 0.38 m in front of its middle on one line across it. A run without
+//! the wall is subtracted; what the ends of the wall diffract arrives 2.9 ms after the echo, when the burst of 10 kHz
+//! is over.
 //! Formula: the image source lies 0.8 m from the microphone in the direction across the wall, whatever its tilt.
-//! Bias: dispersion over these 0.8 m, which is not the wall's. The reference is therefore the field itself: an open grid with the microphone
-//! 0.8 m from the source in that direction.
-//! Tolerance: 0.3 dB and 2 us at each place of the wall; 0.5 dB at 12 degrees, where what is left of the error repeats every 80 mm along the
-//! wall (tan 12 degrees is nearly 3/14), leaves in a direction of its own and beats with the echo. The staircase is shown beside.
+//! Bias: dispersion over these 0.8 m, which is not the wall's. The reference is therefore the field itself: an open
+//! grid with the microphone 0.8 m from the source in that direction.
+//! Tolerance: 0.3 dB and 2 us at each place of the wall; 0.5 dB at 12 degrees, where what is left of the error repeats
+//! every 80 mm along the wall (tan 12 degrees is nearly 3/14), leaves in a direction of its own and beats with the
+//! echo. The staircase is shown beside.
 //!
 //! Layout, scatter: a wall of 2.4 m tilted by 12 degrees, source and microphone in one point 0.45 m in front of it.
-//! Formula: a plane sends back one echo, from the foot of the perpendicular; between it and what the ends diffract (4.8 ms later) comes nothing.
-//! Stairs repeat every 24 mm along such a wall and send 10 kHz back from where it is met at 45 degrees, 1.1 ms after the echo.
+//! Formula: a plane sends back one echo, from the foot of the perpendicular; between it and what the ends diffract (4.8
+//! ms later) comes nothing. Stairs repeat every 24 mm along such a wall and send 10 kHz back from where it is met at 45
+//! degrees, 1.1 ms after the echo.
 //! Bias: none; the line source's tail is far below the band.
-//! Tolerance: what is heard from 0.75 ms to 3.75 ms after the echo is at least 20 dB weaker than with stairs.
+//! Tolerance: the signal from 0.75 ms to 3.75 ms after the echo is at least 20 dB weaker than with stairs.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, larger, named};
 use super::rig::{Rig, decibels, difference, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement, larger, named};
 use fdtd::Error;
 use fdtd::scheme::Scheme;
 use fdtd::walls::{Wall, WallModel};
@@ -81,7 +84,8 @@ impl Tilted {
     }
 }
 
-/// Error of an echo: level in dB and delay in s on the papers' grid. The wall is moved into its normal by `shift` cells.
+/// Error of an echo: level in dB and delay in s on the papers' grid. The wall is moved into its normal by `shift`
+/// cells.
 ///
 /// # Errors
 /// When the field becomes non-finite.
@@ -115,12 +119,12 @@ pub fn echo(
     Ok([decibels(ratio.norm()), -ratio.arg() / (TAU * FREQUENCY_HZ)])
 }
 
-/// What the echo of a wall draws, whatever the wall is made into.
+/// Setting of the echo of a wall, the same for all models of the wall.
 pub fn setting(scheme: Scheme, tilt_deg: f64) -> Setting {
     Setting::drawn("tilted wall", &format!("{scheme}, {tilt_deg} degrees"))
 }
 
-/// What the scatter draws.
+/// Setting of the scatter.
 pub fn scatter_setting(scheme: Scheme) -> Setting {
     Setting::drawn("scatter of a tilted wall", scheme.name())
 }
@@ -143,7 +147,7 @@ pub fn largest(
     Ok(most)
 }
 
-/// What a wall at 12 degrees sends back after its echo, over the echo, in dB.
+/// Scatter of a wall at 12 degrees after its echo, over the echo, in dB.
 ///
 /// # Errors
 /// When the field becomes non-finite.

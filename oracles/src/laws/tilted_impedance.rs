@@ -1,29 +1,31 @@
 //! Echoes of walls of an impedance that lie across the grid.
 //!
-//! Layout: as the echo of [`super::tilted`]: a wall of 1.6 m, tilted by 3 to 45 degrees and moved through the cells in six steps of a sixth of a cell
-//! along the grid's axis; source and microphone 0.4 m in front of it, on one line across it or 0.8 m apart along it, so that the wave comes in at 45
-//! degrees. A run without the wall is subtracted, and the spectral line at 10 kHz divided by that of the same wall when it is rigid.
-//! Formula: `R = (Z cos - rho c)/(Z cos + rho c)` and, for a line source at a distance r behind the image, `R + i R''/(2 k r)` (the next term
-//! of the stationary phase; the second derivative is that by the angle).
+//! Layout: as the echo of [`super::tilted`]: a wall of 1.6 m, tilted by 3 to 45 degrees and moved through the cells in
+//! six steps of a sixth of a cell along the grid's axis; source and microphone 0.4 m in front of it, on one line across
+//! it or 0.8 m apart along it, so that the wave comes in at 45 degrees. A run without the wall is subtracted, and the
+//! spectral line at 10 kHz divided by that of the same wall when it is rigid.
+//! Formula: `R = (Z cos - rho c)/(Z cos + rho c)` and, for a line source at a distance r behind the image,
+//! `R + i R''/(2 k r)` (the next term of the stationary phase; the second derivative is that by the angle).
 //!
-//! Where the wall lies in the cells changes along a slanted wall, and what changes is a grating: it sends a part of the wave in directions of its
-//! own, of which some comes back to the microphone from another part of the wall (at 10 degrees from where it is met at 36). That is not the
-//! reflection factor, which belongs to the mirror's direction. The mirrored part is the one that does not turn with the grating: when the wall moves
-//! by a part of a cell, the grating's orders turn by so many parts of a circle, and the mean over six places leaves them out up to the fifth. So
-//! walls whose cells repeat after many cells only ([`SLANTS`]) are held to the mean, and with wider limits in each single place, where the grating's
-//! part is in. Along walls of a simple slope ([`SLOPES`]) all pieces lie in one of few places, each place is a wall of its own, and the largest error
-//! of all is held.
-//! Bias: what the ends diffract comes 2 ms later, when the burst is over.
-//! The rigid wall's own error is in both and not counted. Its echo should be the same in all places, and is held to that along walls of a simple slope, where
-//! it would change by 0.13 (slope 1 to 1, met at 45 degrees) without what `walls/slant.rs` does.
+//! The place of the wall in the cells changes along a slanted wall, which acts as a grating: it sends a part of the
+//! wave in directions of its own, of which some comes back to the microphone from another part of the wall (at 10
+//! degrees from where it is met at 36). That is not the reflection factor, which belongs to the mirror's direction. The
+//! mirrored part is the one that does not turn with the grating: when the wall moves by a part of a cell, the grating's
+//! orders turn by so many parts of a circle, and the mean over six places leaves them out up to the fifth. So walls
+//! whose cells repeat after many cells only ([`SLANTS`]) are held to the mean, and with wider limits in each single
+//! place, where the grating's part is in. Along walls of a simple slope ([`SLOPES`]) all surface elements lie in one of
+//! few places, each place is a wall of its own, and the largest error of all is held.
+//! Bias: what the ends diffract comes 2 ms later, when the burst is over. The rigid wall's own error is in both and not
+//! counted. Its echo should be the same in all places, and is held to that along walls of a simple slope, where it
+//! would change by 0.13 (slope 1 to 1, met at 45 degrees) without what `walls/slant.rs` does.
 //! Tolerance: 0.02 for the mean (m13, o13, d25), for single places what was measured and up to a third more; Z/(rho c)
 //! from 0.05 to 20. It was 0.02 for single places of [`SLOPES`] too while each of these slopes had weights of its own.
 
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement, named};
 use super::rig::{Rig, difference};
 use super::setting::Setting;
 use super::tilted::Tilted;
-use super::{Depth, Measurement, named};
 use fdtd::Error;
 use fdtd::scheme::Scheme;
 use fdtd::walls::{Impedance, WallModel};
@@ -40,8 +42,8 @@ const DISTANCE_M: f64 = 0.4;
 /// Impedances over that of the air.
 pub const RATIOS: [f64; 5] = [0.05, 0.2, 1.0, 5.0, 20.0];
 
-/// Tilts in degrees at which the mean over places is held to [`TOLERANCE`], and what the factor may be off in a single place at normal incidence and at
-/// 45 degrees.
+/// Tilts in degrees at which the mean over places is held to [`TOLERANCE`], and what the factor may be off in a single
+/// place at normal incidence and at 45 degrees.
 pub const SLANTS: [(f64, [f64; 2]); 8] = [
     (3.0, [0.02, 0.02]),
     (10.0, [0.05, 0.05]),
@@ -53,10 +55,11 @@ pub const SLANTS: [(f64, [f64; 2]); 8] = [
     (40.0, [0.065, 0.045]),
 ];
 
-/// What the reflection factor may be off in the mean over places.
+/// Tolerance of the reflection factor in the mean over places.
 pub const TOLERANCE: f64 = 0.02;
 
-/// Tilts in degrees of slopes of 1 to 3, 1 to 2 and 1 to 1, and what the factor may be off in any place at normal incidence and at 45 degrees.
+/// Tilts in degrees of slopes of 1 to 3, 1 to 2 and 1 to 1, and what the factor may be off in any place at normal
+/// incidence and at 45 degrees.
 pub const SLOPES: [(f64, [f64; 2]); 3] = [
     (18.434_948_822_922, [0.04, 0.04]),
     (26.565_051_177_078, [0.06, 0.06]),
@@ -89,13 +92,14 @@ pub struct Errors {
     pub stray: f64,
 }
 
-/// What a case draws; the tangent is that of the angle of incidence.
+/// Setting of a case; the tangent is that of the angle of incidence.
 pub fn setting(scheme: Scheme, tilt_deg: f64, tangent: f64) -> Setting {
     let case = format!("{scheme}, {tilt_deg} degrees, {tangent}");
     Setting::before_accurate_surfaces("tilted impedance", &case)
 }
 
-/// Errors of the reflection factor of a wall that is tilted by `tilt_deg`, at an angle of incidence whose tangent is given, over some of [`PLACES`].
+/// Errors of the reflection factor of a wall that is tilted by `tilt_deg`, at an angle of incidence whose tangent is
+/// given, over some of [`PLACES`].
 ///
 /// # Errors
 /// When the field becomes non-finite.
@@ -129,8 +133,8 @@ pub fn errors(
     })
 }
 
-/// By how much the echo of a rigid wall that is tilted by `tilt_deg` is off its mean in any of some of [`PLACES`], over it; the tangent is that of the
-/// angle of incidence.
+/// By how much the echo of a rigid wall that is tilted by `tilt_deg` is off its mean in any of some of [`PLACES`], over
+/// it; the tangent is that of the angle of incidence.
 ///
 /// # Errors
 /// When the field becomes non-finite.
@@ -178,7 +182,8 @@ fn way_m(tangent: f64) -> f64 {
     2.0 * DISTANCE_M * tangent.hypot(1.0)
 }
 
-/// Spectral lines of the echoes of a wall that is moved into its normal by `shift` cells: rigid, and with the impedances of `ratios`.
+/// Spectral lines of the echoes of a wall that is moved into its normal by `shift` cells: rigid, and with the
+/// impedances of `ratios`.
 fn echoes(
     setting: &Setting,
     scheme: Scheme,

@@ -1,21 +1,26 @@
 //! Specular sound rays between two points among rigid walls.
 //!
 //! Ray theory is what the papers lay beside the measured echoes (single, corner and double reflections), and its paths
-//! are what [`crate::image_source`] adds up. Each wall piece reflects on both sides, at its face and not at its centre line.
+//! are what [`crate::image_source`] adds up. Each wall piece reflects on both sides, at its face and not at its centre
+//! line.
 
-mod faces;
+mod face;
+mod joints;
 pub(crate) mod plane;
 mod reflectors;
+mod wall_segment;
 
+pub use face::Face;
+pub use reflectors::Reflectors;
 pub(crate) use reflectors::fade;
-pub use reflectors::{Face, Reflectors, Segment};
+pub use wall_segment::WallSegment;
 
 use plane::{Vec2, add, bearing_rad, dot, length, scale, sub};
 
 /// Beyond this the reflection point no longer counts as on the face, in metres.
 const ON_FACE_M: f64 = 1e-6;
 
-/// What a path met on its way.
+/// Walls that a path met on its way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum RayKind {
     /// No wall.
@@ -46,7 +51,7 @@ impl RayKind {
 /// One specular path from a source to a receiver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RayPath {
-    /// What it met.
+    /// Walls that it met.
     pub kind: RayKind,
     /// The walls in the order the sound meets them: (wall, piece of its polyline).
     pub walls: Vec<(usize, usize)>,
@@ -58,8 +63,8 @@ pub struct RayPath {
     pub departure_rad: f64,
     /// World direction from the receiver towards where the sound comes from, radians, -pi..pi.
     pub arrival_rad: f64,
-    /// Distance of the reflection point nearest to an end of its face from that end, in metres, negative beyond it. Infinite without
-    /// reflection.
+    /// Distance of the reflection point nearest to an end of its face from that end, in metres, negative beyond it.
+    /// Infinite without reflection.
     pub clearance_m: f64,
     /// Where the sound seems to come from: the last image of the source, in metres.
     pub image_m: [f64; 2],
@@ -77,13 +82,13 @@ impl RayPath {
     }
 }
 
-/// What [`trace`] lists.
+/// Selection of the paths of [`trace`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TraceOptions {
     /// Most reflections.
     pub max_order: usize,
-    /// How far beyond the end of a face a reflection point may lie, in metres. A corner of 92 degrees sends no ray straight back, yet
-    /// within some centimetres of its apex the sound does not care; 0 is strict.
+    /// How far beyond the end of a face a reflection point may lie, in metres. A corner of 92 degrees sends no ray
+    /// straight back, yet within some centimetres of its apex the sound does not care; 0 is strict.
     pub slack_m: f64,
 }
 
@@ -96,9 +101,9 @@ impl Default for TraceOptions {
     }
 }
 
-/// All visible specular paths from `source_m` to `receiver_m` with up to `max_order` reflections, lowest order first; the direct path
-/// is first when no wall is between the points. Two orders of the same walls that give the same image (a right-angled corner and a pair in
-/// one point) count once.
+/// All visible specular paths from `source_m` to `receiver_m` with up to `max_order` reflections, lowest order first;
+/// the direct path is first when no wall is between the points. Two orders of the same walls that give the same image
+/// (a right-angled corner and a pair in one point) count once.
 pub fn trace(
     reflectors: &Reflectors,
     source_m: [f64; 2],
@@ -147,8 +152,9 @@ impl Reflectors {
             .fold(point_m, |image, &face| self.faces()[face].mirror(image))
     }
 
-    /// Reflection points of a sequence, walking back from the receiver. None when an image lies on the wrong side of a face, or when the
-    /// reflection points are out of order by more than `slack_m`; their clearance is the caller's to judge.
+    /// Reflection points of a sequence, walking back from the receiver. None when an image lies on the wrong side of a
+    /// face, or when the reflection points are out of order by more than `slack_m`; their clearance is the caller's to
+    /// judge.
     pub(crate) fn unfold(
         &self,
         sequence: &[usize],
@@ -198,9 +204,9 @@ impl Reflectors {
 
     /// The clearance that decides whether a path is visible: the least of all bounces.
     ///
-    /// In a right-angled corner both orders of the walls give the same image, and one is visible where the other is not: their clearances
-    /// are opposite, bounce by bounce. For theirs to be opposite as well, two bounces beyond the ends of joined faces count by the
-    /// one that is less far beyond.
+    /// In a right-angled corner both orders of the walls give the same image, and one is visible where the other is
+    /// not: their clearances are opposite, bounce by bounce. For theirs to be opposite as well, two bounces beyond the
+    /// ends of joined faces count by the one that is less far beyond.
     fn least_clearance_m(&self, sequence: &[usize], clearances_m: &[f64]) -> f64 {
         let mut least_m = clearances_m.last().copied().unwrap_or(f64::INFINITY);
         let segment = |bounce: usize| self.faces()[sequence[bounce]].segment;
@@ -222,8 +228,9 @@ impl Reflectors {
 
     /// Share of a path that no wall hides, 0..1.
     ///
-    /// Walls do not hide the legs that end on them. Neither does the other wall of a corner hide the way in or out, when that starts or ends in
-    /// front of it: only a reflection point beyond the apex, which fades anyway, would be hidden.
+    /// Walls do not hide the legs that end on them. Neither does the other wall of a corner hide the way in or out,
+    /// when that starts or ends in front of it: only a reflection point beyond the apex, which fades anyway, would be
+    /// hidden.
     pub(crate) fn leg_transmission(
         &self,
         sequence: &[usize],
@@ -282,8 +289,8 @@ impl Reflectors {
     }
 }
 
-/// Direction of the first leg: the straight line from the last image to the receiver, folded back face by face. Unlike the difference of the
-/// first two points it is defined when those coincide.
+/// Direction of the first leg: the straight line from the last image to the receiver, folded back face by face. Unlike
+/// the difference of the first two points it is defined when those coincide.
 fn departure(reflectors: &Reflectors, sequence: &[usize], image_m: Vec2, receiver_m: Vec2) -> Vec2 {
     sequence
         .iter()

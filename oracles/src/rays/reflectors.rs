@@ -1,97 +1,18 @@
 //! The rigid faces of finite wall segments and what they hide.
 //!
-//! A wall of thickness `T` shows two faces, one on each side, at `T/2` from its centre line (see [`super::faces`] for how they end where walls
-//! meet). The short faces at free ends are left out: they are narrower than a wavelength.
+//! A wall of thickness `T` shows two faces, one on each side, at `T/2` from its centre line (see [`super::joints`] for
+//! how they end where walls meet). The short faces at free ends are left out: they are narrower than a wavelength.
 
-use super::faces::faces_of;
-use super::plane::{Vec2, add, cross, dot, length, scale, sub};
+use super::face::Face;
+use super::joints::faces_of;
+use super::plane::{Vec2, cross, length, sub};
+use super::wall_segment::{TOUCH_M, WallSegment, distance_m};
 use fdtd::walls::Wall;
-
-/// A leg crosses a wall when it reaches at least this far past it, in metres.
-const TOUCH_M: f64 = 1e-6;
-
-/// One straight piece of a wall.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segment {
-    /// Which wall, counted as in the scene.
-    pub wall: usize,
-    /// Which piece of that wall's polyline.
-    pub piece: usize,
-    /// Ends of the centre line in metres.
-    pub ends_m: [Vec2; 2],
-    /// Thickness in metres, 0 or more.
-    pub thickness_m: f64,
-}
-
-impl Segment {
-    /// Whether it touches or overlaps another.
-    fn touches(&self, other: &Self) -> bool {
-        let reach_m = 0.5 * (self.thickness_m + other.thickness_m) + TOUCH_M;
-        let ends = |of: &Self, to: &Self| {
-            of.ends_m
-                .iter()
-                .any(|&end| distance_m(end, to.ends_m) <= reach_m)
-        };
-        ends(self, other) || ends(other, self) || self.crosses(other)
-    }
-
-    fn crosses(&self, other: &Self) -> bool {
-        let splits = |[a, b]: [Vec2; 2], [p, q]: [Vec2; 2]| {
-            let along = sub(b, a);
-            cross(along, sub(p, a)) * cross(along, sub(q, a)) < 0.0
-        };
-        splits(self.ends_m, other.ends_m) && splits(other.ends_m, self.ends_m)
-    }
-}
-
-/// Distance of a point from a line segment.
-fn distance_m(point_m: Vec2, [a, b]: [Vec2; 2]) -> f64 {
-    let along = sub(b, a);
-    let share = (dot(sub(point_m, a), along) / dot(along, along)).clamp(0.0, 1.0);
-    length(sub(point_m, add(a, scale(along, share))))
-}
-
-/// One reflecting side of a segment: a line segment with a front.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Face {
-    /// Index of the segment it belongs to, in [`Reflectors::segments`]; a segment can have several on one side.
-    pub segment: usize,
-    /// One end in metres.
-    pub start_m: Vec2,
-    /// Unit vector from `start_m` along the face.
-    pub along: Vec2,
-    /// Unit vector out of the wall.
-    pub normal: Vec2,
-    /// Length in metres.
-    pub length_m: f64,
-}
-
-impl Face {
-    /// Distance of a point in front of the face's line in metres, negative behind it.
-    pub fn height_m(&self, point_m: Vec2) -> f64 {
-        dot(sub(point_m, self.start_m), self.normal)
-    }
-
-    /// Mirror image of a point in the face's line.
-    pub fn mirror(&self, point_m: Vec2) -> Vec2 {
-        add(point_m, scale(self.normal, -2.0 * self.height_m(point_m)))
-    }
-
-    /// How far inside the face's ends a point of its line lies, in metres; negative beyond an end.
-    pub fn clearance_m(&self, point_m: Vec2) -> f64 {
-        let position = dot(sub(point_m, self.start_m), self.along);
-        position.min(self.length_m - position)
-    }
-
-    fn end_m(&self) -> Vec2 {
-        add(self.start_m, scale(self.along, self.length_m))
-    }
-}
 
 /// Wall segments with their faces, ready for tracing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reflectors {
-    segments: Vec<Segment>,
+    segments: Vec<WallSegment>,
     faces: Vec<Face>,
     /// Whether two segments touch, `[first * count + second]`.
     touching: Vec<bool>,
@@ -99,8 +20,8 @@ pub struct Reflectors {
 
 impl Reflectors {
     /// Faces of a set of segments. Pieces without length are ignored.
-    pub fn new(segments: impl IntoIterator<Item = Segment>) -> Self {
-        let segments: Vec<Segment> = segments
+    pub fn new(segments: impl IntoIterator<Item = WallSegment>) -> Self {
+        let segments: Vec<WallSegment> = segments
             .into_iter()
             .filter(|segment| length(sub(segment.ends_m[1], segment.ends_m[0])) > 0.0)
             .collect();
@@ -122,7 +43,7 @@ impl Reflectors {
             drawn
                 .segments_m()
                 .enumerate()
-                .map(move |(piece, ends_m)| Segment {
+                .map(move |(piece, ends_m)| WallSegment {
                     wall,
                     piece,
                     ends_m,
@@ -133,7 +54,7 @@ impl Reflectors {
     }
 
     /// The wall pieces.
-    pub fn segments(&self) -> &[Segment] {
+    pub fn segments(&self) -> &[WallSegment] {
         &self.segments
     }
 
@@ -163,8 +84,8 @@ impl Reflectors {
             .collect()
     }
 
-    /// All face sequences up to `max_order` reflections along which sound can travel at all, shortest first: each next face
-    /// lies at least partly in front of the one before, and the other way round.
+    /// All face sequences up to `max_order` reflections along which sound can travel at all, shortest first: each next
+    /// face lies at least partly in front of the one before, and the other way round.
     pub fn sequences(&self, max_order: usize) -> Vec<Vec<usize>> {
         let mut all: Vec<Vec<usize>> = Vec::new();
         let mut longest: Vec<Vec<usize>> = vec![Vec::new()];
@@ -196,8 +117,9 @@ impl Reflectors {
         last.segment != next.segment && sees(last, next) && sees(next, last)
     }
 
-    /// Share of a leg from `from_m` to `to_m` that gets past the walls, 1 free and 0 blocked. It passes by one half when the leg grazes a
-    /// wall's end and changes within `fade_m` on either side of it. The segments `through` do not hide it.
+    /// Share of a leg from `from_m` to `to_m` that gets past the walls, 1 free and 0 blocked. It passes by one half
+    /// when the leg grazes a wall's end and changes within `fade_m` on either side of it. The segments `through` do not
+    /// hide it.
     pub(crate) fn transmission(
         &self,
         from_m: Vec2,

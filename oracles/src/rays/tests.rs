@@ -1,8 +1,8 @@
 use super::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-fn wall(wall: usize, a: Vec2, b: Vec2, thickness_m: f64) -> Segment {
-    Segment {
+fn wall(wall: usize, a: Vec2, b: Vec2, thickness_m: f64) -> WallSegment {
+    WallSegment {
         wall,
         piece: 0,
         ends_m: [a, b],

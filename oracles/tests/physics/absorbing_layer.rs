@@ -1,4 +1,4 @@
-//! What the absorbing layer sends back: [`oracles::laws::layer`] says layout, formula and tolerance.
+//! Reflection of the absorbing layer: [`oracles::laws::layer`] states layout, formula and tolerance.
 
 use crate::rig::assert_within;
 use oracles::laws::Depth;

@@ -1,10 +1,12 @@
-//! Absorption on a recording of the field: a robot drives in front of a wall, sent twice, and its echo loses what its way takes.
+//! Absorption on a recording of the field: a robot drives in front of a wall, sent twice, and its echo loses what its
+//! way takes.
 //!
-//! Layout: the rig of [`oracles::laws::corner`] with one of its walls, 0.15 s at 0.4 m/s, noise of 1.5 to 5 kHz; the free-field run is
-//! subtracted. A loss of 0.26 dB/m at all frequencies, so that the exact result is a plain product.
-//! Formula: the way by the image source at each instant, put into the straight line in tau that stands for the exponential
-//! ([`fdtd::medium::absorbed`], where the line itself is held against the exponential).
-//! Bias: the way is that of the moment of hearing, not of the bounce: 1 mm; what a period changes of tau; dispersion 0.1 %.
+//! Layout: the rig of [`oracles::laws::corner`] with one of its walls, 0.15 s at 0.4 m/s, noise of 1.5 to 5 kHz; the
+//! free-field run is subtracted. A loss of 0.26 dB/m at all frequencies, so that the exact result is a plain product.
+//! Formula: the way by the image source at each instant, put into the straight line in tau that stands for the
+//! exponential ([`fdtd::medium::absorbed`], where the line itself is held against the exponential).
+//! Bias: the way is that of the moment of hearing, not of the bounce: 1 mm; what a period changes of tau; dispersion
+//! 0.1 %.
 //! Tolerance: 0.01 dB and 0.2 % of a loss of 0.3 dB; image sources within 0.05 dB of the field.
 
 use fdtd::medium::absorbed::Stamped;
@@ -20,7 +22,7 @@ const ALPHA: f64 = 0.03;
 
 #[test]
 fn an_echo_of_the_field_loses_what_its_way_takes() {
-    // The image is told by hand, for the wall on the right.
+    // The image is given by hand, for the wall on the right.
     let setting = Setting {
         turn: Turn::NONE,
         ..Setting::drawn("absorption", "m13")

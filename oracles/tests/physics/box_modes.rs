@@ -1,5 +1,5 @@
-//! Standing waves between four rigid walls, and the order at which their frequencies converge: [`oracles::laws::room`] says layout,
-//! formula and tolerance.
+//! Standing waves between four rigid walls, and the order at which their frequencies converge: [`oracles::laws::room`]
+//! says layout, formula and tolerance.
 
 use crate::rig::assert_within;
 use oracles::laws::Depth;

@@ -1,13 +1,13 @@
-//! Walls whose impedance is made of branches of resistance, inertance and compliance: reflection over frequency and angle
-//! ([`oracles::laws::branches`] says layout, formula and tolerance), and passivity.
+//! Walls whose impedance is made of branches of resistance, inertance and compliance: reflection over frequency and
+//! angle ([`oracles::laws::branches`] says layout, formula and tolerance), and passivity.
 //!
-//! Layout, passivity: the box and the walls of `impedance_wall`, of one to four branches whose resistances, inertances and compliances are
-//! from 1e-6 to 1e6 times those with the air's impedance at 10 kHz, or none.
+//! Layout, passivity: the box and the walls of `impedance_wall`, of one to four branches whose resistances, inertances
+//! and compliances are from 1e-6 to 1e6 times those with the air's impedance at 10 kHz, or none.
 //! Formula: the energy of the field, of the air before the surfaces and of the branches never grows.
-//! Bias: the sum of squares is not the energy, which goes back and forth between the field and masses and springs in the walls. Slow ones give back what
-//! they got when all else has died away.
-//! Tolerance: the largest sum of squares in 330 steps after 3000 is at most 1.5 times that during the burst; between any walls, where few modes beat,
-//! three times after 6000 steps (1.53 in 1200 boxes). What makes energy overflows.
+//! Bias: the sum of squares is not the energy, which goes back and forth between the field and masses and springs in
+//! the walls. Slow ones give back what they got when all else has died away.
+//! Tolerance: the largest sum of squares in 330 steps after 3000 is at most 1.5 times that during the burst; between
+//! any walls, where few modes beat, three times after 6000 steps (1.53 in 1200 boxes). What makes energy overflows.
 //!
 //! A branch with nothing but a resistance is the same wall as one of that impedance, number by number.
 
@@ -72,7 +72,8 @@ fn nothing_but_resistance_is_the_real_impedance() {
     );
 }
 
-/// A branch of numbers over those that have the air's impedance at 10 kHz on the papers' grid, as powers of ten; none is 0.
+/// A branch of numbers over those that have the air's impedance at 10 kHz on the papers' grid, as powers of ten; none
+/// is 0.
 fn branch(conditions: &Conditions, powers: [Option<f64>; 3]) -> Branch {
     let omega = TAU * conditions.hz(10e3);
     let [resistance, inertance, stiffness] =
@@ -84,7 +85,8 @@ fn branch(conditions: &Conditions, powers: [Option<f64>; 3]) -> Branch {
     }
 }
 
-/// Largest sums of squares of the pressure: during a burst, and, by place and steps on the papers' grid, in 330 steps that follow so many steps of silence.
+/// Largest sums of squares of the pressure: during a burst, and, by place and steps on the papers' grid, in 330 steps
+/// that follow so many steps of silence.
 fn sums(rig: &Rig, place_m: [f64; 2], steps: [usize; 2]) -> [f64; 2] {
     let conditions = rig.conditions();
     let place_m = conditions.point(place_m);

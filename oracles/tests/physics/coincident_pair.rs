@@ -1,11 +1,13 @@
-//! What a loudspeaker and a microphone at the same point hear of each other must not depend on the place in the cell: a moving pair
-//! would hear its own direct wave flicker as fast as it crosses cells, right in the band of the echoes' Doppler shifts.
+//! The direct wave between a loudspeaker and a microphone at the same point must not depend on the place in the cell:
+//! the direct wave of a moving pair would flicker as fast as it crosses cells, right in the band of the echoes' Doppler
+//! shifts.
 //!
-//! Layout: free field of 0.5 m x 0.5 m with a layer on all sides; a burst at 10 kHz, 16 places of the resting pair in a cell not far from the middle.
+//! Layout: free field of 0.5 m x 0.5 m with a layer on all sides; a burst at 10 kHz, 16 places of the resting pair in a
+//! cell not far from the middle.
 //! Formula: free field is the same everywhere.
 //! Bias: a kernel that passes the grid's shortest waves aliases there (a sinc at the full bandwidth: -25 dB).
-//! Tolerance: the deviation from the mean over the places, rms, below -50 dB of that mean (kaiser12, every scheme). The others
-//! are printed beside it.
+//! Tolerance: the deviation from the mean over the places, rms, below -50 dB of that mean (kaiser12, every scheme). The
+//! others are printed beside it.
 
 use crate::rig::{Rig, Setting, decibels, difference, norm};
 use fdtd::scheme::Scheme;

@@ -1,4 +1,5 @@
-//! A robot drives in front of a right-angled corner: [`oracles::laws::corner`] says layout, formula, bias and tolerance.
+//! A robot drives in front of a right-angled corner: [`oracles::laws::corner`] says layout, formula, bias and
+//! tolerance.
 
 use crate::rig::assert_within;
 use oracles::laws::Depth;
@@ -8,7 +9,7 @@ use oracles::laws::corner::measure;
 fn a_recording_in_a_corner_is_that_of_the_image_sources() {
     let found = measure(Depth::Full).expect("finite fields");
     assert_within("corner", &found);
-    // What the test can tell: without the corner's echo it is off by more.
+    // Sensitivity of the test: without the corner's echo the error is larger.
     let mut without = found.iter().filter(|one| one.informative);
     assert!(without.all(|one| one.measured > 0.2));
 }

@@ -1,17 +1,18 @@
 //! Air beyond walls and drive is not simulated, and not missed.
 //!
-//! Layout: 2 m x 1.6 m with much air around a slanted rigid wall, one of two branches and a robot between them at 0.4 m/s for 60 ms;
-//! a code on a carrier of 10 kHz, up to 14 kHz; all schemes, whole and cut cells.
-//! Formula: absorbing layers stand for air without end wherever they begin, so that the domain around walls and drive gives what the scene's does.
+//! Layout: 2 m x 1.6 m with much air around a slanted rigid wall, one of two branches and a robot between them at 0.4
+//! m/s for 60 ms; a code on a carrier of 10 kHz, up to 14 kHz; all schemes, whole and cut cells.
+//! Formula: absorbing layers stand for air without end wherever they begin, so that the domain around walls and drive
+//! gives what the scene's does.
 //! Bias: the layers' reflection, nearer and at other angles (-66 to -85 dB of the echoes).
-//! Tolerance: the difference of the two signals below -60 dB of the echoes' rms. Threads, engine and interruptions, and all that is left out of a closed room
-//! with thick walls: none, bit for bit.
+//! Tolerance: the difference of the two signals below -60 dB of the echoes' rms. Threads, engine and interruptions, and
+//! all that is left out of a closed room with thick walls: none, bit for bit.
 
 use std::collections::BTreeMap;
 
 use crate::rig::{
-    Setting, assert_foreign, code_on_carrier, decibels, difference, handed_over, heard, norm,
-    run_to,
+    Setting, assert_foreign, code_on_carrier, decibels, difference, engine, handed_over, heard,
+    norm, run_to,
 };
 use fdtd::grid::Grid;
 use fdtd::motion::{DrivePath, MotionState};
@@ -21,7 +22,7 @@ use fdtd::simulation::{Simulation, SimulationOptions};
 use fdtd::walls::{Branch, Impedance, Wall, WallModel};
 use oracles::laws::corner;
 
-/// What a scheme's runs draw.
+/// Setting of a scheme's runs.
 fn setting(scheme: Scheme) -> Setting {
     Setting::before_surfaces(scheme, "cropped domain", scheme.name())
 }
@@ -141,16 +142,7 @@ fn what_lies_deep_in_the_walls_of_a_closed_room_and_beyond_is_not_missed_at_all(
 #[test]
 fn threads_engine_and_interruptions_do_not_matter() {
     let scene = scene(Scheme::O13, WallModel::CutCells);
-    let with = |threads, reference_engine| {
-        simulation(
-            &scene,
-            SimulationOptions {
-                threads,
-                reference_engine,
-                ..SimulationOptions::default()
-            },
-        )
-    };
+    let with = |threads, reference_engine| simulation(&scene, engine(threads, reference_engine));
     let alone = heard(with(1, false));
     assert!(alone == heard(with(3, false)), "threads");
     assert!(alone == heard(with(1, true)), "reference engine");

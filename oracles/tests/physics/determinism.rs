@@ -6,10 +6,10 @@
 
 use crate::rig::{Conditions, Setting};
 use fdtd::grid::Grid;
-use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState, PoseSample};
+use fdtd::motion::{DriveLimits, DrivePath, MotionState, PoseSample, VelocityCommand};
 use fdtd::scene::{Robot, Scene};
 use fdtd::scheme::Scheme;
-use fdtd::simulation::{Drive, Flow, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
+use fdtd::simulation::{Flow, MovingPair, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
 use fdtd::walls::Wall;
 use fdtd::waveform::PeriodicWaveform;
 use oracles::laws::corner;
@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 /// Upper end of the band on the papers' grid, in hertz.
 const BAND_HZ: f64 = 19e3;
 
-/// What a scheme's runs draw.
+/// Setting of a scheme's runs.
 fn setting(scheme: Scheme) -> Setting {
     Setting::drawn("determinism", scheme.name())
 }
@@ -79,7 +79,7 @@ fn bytes(simulation: Simulation) -> Vec<u32> {
     bytes_with(simulation, |_| Flow::Continue)
 }
 
-/// What is heard when the observer says `flow` after so many steps.
+/// Signal when the observer returns `flow` after so many steps.
 fn bytes_with(mut simulation: Simulation, flow: impl Fn(u64) -> Flow) -> Vec<u32> {
     let outcome = simulation.run(&mut |progress, _| flow(progress.step));
     assert!(outcome.is_ok(), "{outcome:?}");
@@ -97,7 +97,7 @@ fn heard(scheme: Scheme, path: &DrivePath, options: &SimulationOptions) -> Vec<u
 
 #[test]
 fn at_rest_is_zero_velocity() {
-    // The pair that is pinned down below knows no drive to crop a domain to.
+    // The pair that is pinned down below has no drive to crop a domain to.
     let options = SimulationOptions {
         whole_domain: true,
         ..SimulationOptions::default()
@@ -106,7 +106,7 @@ fn at_rest_is_zero_velocity() {
         let conditions = setting(scheme).conditions;
         let (duration_s, robot) = (duration_s(&conditions), robot(&conditions));
         let pose = pose(&conditions, 0.0, 0.0);
-        let still = Leg {
+        let still = VelocityCommand {
             duration_s: 0.5 * duration_s,
             v_mps: 0.0,
             omega_radps: 0.0,
@@ -118,7 +118,7 @@ fn at_rest_is_zero_velocity() {
             heading_rad: pose.heading_rad,
         });
         let uniform = DrivePath::uniform(pose, duration_s).expect("a valid drive");
-        let legs = DrivePath::from_legs(pose, &[still, still], DriveLimits::default())
+        let legs = DrivePath::from_commands(pose, &[still, still], DriveLimits::default())
             .expect("valid legs");
         let sampled = DrivePath::from_samples(&poses).expect("valid poses");
         let simulation = Simulation::new(
@@ -133,7 +133,7 @@ fn at_rest_is_zero_velocity() {
             pose.point(robot.loudspeaker_offset_m),
             pose.point(robot.microphone_offset_m),
         );
-        let pinned = Drive::new(
+        let pinned = MovingPair::new(
             simulation.domain(),
             Box::new(move |_| source),
             Box::new(move |_| receiver),

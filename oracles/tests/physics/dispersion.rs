@@ -1,4 +1,5 @@
-//! Sound on the grid is as fast as the discrete dispersion relation says: [`oracles::laws::dispersion`] says layout, formula and tolerance.
+//! Sound on the grid is as fast as the discrete dispersion relation says: [`oracles::laws::dispersion`] says layout,
+//! formula and tolerance.
 
 use crate::rig::assert_within;
 use oracles::laws::Depth;

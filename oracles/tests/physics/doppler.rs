@@ -1,10 +1,11 @@
-//! Time scale of the echo of a rigid wall, heard by a source and a microphone that move as one.
+//! Time scale of the echo of a rigid wall, for a source and a microphone that move as one.
 //!
-//! Layout: 1.6 m x 1.6 m, a wall over the whole height through the layers, 0.7 m ahead; a pair in one point anywhere along it at 0.4 m/s towards the wall,
-//! at 60 degrees to it and away; a tone for 60 ms. A run without the wall is subtracted, which leaves the echo.
+//! Layout: 1.6 m x 1.6 m, a wall over the whole height through the layers, 0.7 m ahead; a pair in one point anywhere
+//! along it at 0.4 m/s towards the wall, at 60 degrees to it and away; a tone for 60 ms. A run without the wall is
+//! subtracted, which leaves the echo.
 //! Formula: `(e + M cos theta) / (e - M cos theta)`, [`oracles::exact::time_scale::plane_wall`].
-//! Bias: the scheme's phase velocity stands for c: relative error of (scale - 1) 2.5e-3 (m13, 10 kHz), 6.4e-3 (slf, 5 kHz), 5e-4 (d25, 15 kHz), at
-//! this speed 6e-6, 1.5e-5 and 1e-6.
+//! Bias: the scheme's phase velocity stands for c: relative error of (scale - 1) 2.5e-3 (m13, 10 kHz), 6.4e-3 (slf, 5
+//! kHz), 5e-4 (d25, 15 kHz), at this speed 6e-6, 1.5e-5 and 1e-6.
 //! Tolerance: 2e-5 of the time scale; the scale differs from 1 by up to 2.4e-3.
 
 use crate::rig::{Rig, Setting, difference};

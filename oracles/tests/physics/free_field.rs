@@ -1,5 +1,5 @@
-//! A line source in free field, at rest and moving, heard by a microphone at rest and moving: [`oracles::laws::free_field`] and
-//! [`oracles::laws::direct_method`] say layout, formula and tolerance.
+//! A line source in free field, at rest and moving, with a microphone at rest and moving: [`oracles::laws::free_field`]
+//! and [`oracles::laws::direct_method`] say layout, formula and tolerance.
 //!
 //! Level over frequency beside them: 0.1 dB to 10 kHz (m13) and to 15 kHz (d25).
 

@@ -1,5 +1,5 @@
-//! Diffraction at the edge of a rigid half plane in the light, at the shadow's border and in deep shadow: [`oracles::laws::half_plane`] says
-//! layout, formula, bias and tolerance.
+//! Diffraction at the edge of a rigid half plane in the light, at the shadow's border and in deep shadow:
+//! [`oracles::laws::half_plane`] says layout, formula, bias and tolerance.
 
 use crate::rig::assert_within;
 use fdtd::scheme::Scheme;

@@ -1,11 +1,12 @@
-//! Air that walls enclose but for some gaps: its lowest resonance lies far below the band and must not grow over a long run.
+//! Air that walls enclose but for some gaps: its lowest resonance lies far below the band and must not grow over a long
+//! run.
 //!
-//! Layout: the walls of `scenes/enclosed_walls.json` on a coarser grid of 300 x 300 cells, a layer of 20 cells; the air in the middle
-//! starts at 1 Pa.
+//! Layout: the walls of `scenes/enclosed_walls.json` on a coarser grid of 300 x 300 cells, a layer of 20 cells; the air
+//! in the middle starts at 1 Pa.
 //! Formula: nothing brings energy in, so that the pressure cannot grow.
 //! Bias: the layer stretches space by sigma/omega, so far below the band it absorbs slowly.
-//! Tolerance: in the last quarter of 100 000 steps the largest pressure is below four fifths of that in the second quarter. A layer that
-//! leaves the fourth-order part of m13 unstretched makes it grow four times instead.
+//! Tolerance: in the last quarter of 100 000 steps the largest pressure is below four fifths of that in the second
+//! quarter. A layer that leaves the fourth-order part of m13 unstretched makes it grow four times instead.
 
 use crate::rig::{Rig, Setting, Turn};
 use fdtd::field::Field;

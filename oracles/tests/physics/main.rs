@@ -1,4 +1,5 @@
-//! The field against laws of physics, one law per file. Each header names the layout, the formula, the known bias and the tolerance.
+//! The field against laws of physics, one law per file. Each header names the layout, the formula, the known bias and
+//! the tolerance.
 //!
 //! `cargo test --release -p oracles --test physics -- --nocapture` prints what was measured.
 
@@ -17,7 +18,7 @@ mod doppler;
 mod drift;
 mod energy;
 mod free_field;
-mod free_field_pieces;
+mod free_field_segments;
 mod half_plane;
 mod image_echo;
 mod impedance_wall;

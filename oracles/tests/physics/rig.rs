@@ -2,7 +2,7 @@
 
 use fdtd::field::{Field, StepForcing};
 use fdtd::scheme::Scheme;
-use fdtd::simulation::{Flow, Simulation};
+use fdtd::simulation::{Flow, Simulation, SimulationOptions};
 use fdtd::walls::{Impedance, Wall, WallModel};
 use fdtd::waveform::PeriodicWaveform;
 use oracles::laws::Measurement;
@@ -39,6 +39,15 @@ pub(crate) fn code_on_carrier(
     let period_s = conditions.s(samples.len() as f64 / 40e3);
     let band_hz = band_hz.map(|hz| conditions.hz(hz));
     PeriodicWaveform::with_band(&samples, period_s, band_hz, 1.0 / conditions.dt_s)
+}
+
+/// Default options with so many threads and an engine of choice.
+pub(crate) fn engine(threads: usize, reference_engine: bool) -> SimulationOptions {
+    SimulationOptions {
+        threads,
+        reference_engine,
+        ..SimulationOptions::default()
+    }
 }
 
 /// Runs a simulation until it has come to a step.
@@ -80,8 +89,8 @@ pub(crate) fn assert_foreign(from: &Simulation, to: &mut Simulation) {
     );
 }
 
-/// A closed box of 56 x 56 cells with walls that are rigid or of an impedance, each from `[x0, y0]` by `[x1, y1]` to `[y1, x0]`, in m
-/// on the papers' grid.
+/// A closed box of 56 x 56 cells with walls that are rigid or of an impedance, each from `[x0, y0]` by `[x1, y1]` to
+/// `[y1, x0]`, in m on the papers' grid.
 pub(crate) fn crossed_room(
     setting: &Setting,
     scheme: Scheme,
@@ -103,7 +112,8 @@ pub(crate) fn crossed_room(
     rig.with_model(model, &walls)
 }
 
-/// The largest sum of squares of the pressure, looked at every 11 steps: at one moment a mode that is alone may have none.
+/// The largest sum of squares of the pressure, looked at every 11 steps: at one moment a mode that is alone may have
+/// none.
 pub(crate) fn largest_sum(field: &mut impl Field, steps: &[StepForcing]) -> f64 {
     let after = |some: &[StepForcing]| -> f64 {
         field.advance(some, &mut Vec::new());

@@ -36,7 +36,7 @@ fn standing_waves_of_a_round_room_have_their_frequencies() {
             );
         }
     }
-    // What the test can tell: stairs are off by more.
+    // Sensitivity of the test: stairs have larger errors.
     let stairs = MODES.map(|mode| {
         let setting = setting(SCHEMES[1], &format!("mode {} {}", mode.0, mode.1));
         detuned(&setting, SCHEMES[1], WallModel::Staircase, mode).abs()

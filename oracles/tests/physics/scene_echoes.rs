@@ -1,4 +1,5 @@
-//! Echoes of the paper-size scene beside its image sources: [`oracles::laws::scene_echoes`] says layout, formula, bias and tolerance.
+//! Echoes of the paper-size scene beside its image sources: [`oracles::laws::scene_echoes`] says layout, formula, bias
+//! and tolerance.
 
 use crate::rig::assert_within;
 use oracles::laws::Depth;

@@ -1,12 +1,14 @@
 //! Whatever the walls, the operator's spectrum stays within what the step allows.
 //!
-//! Layout: the closed rooms of the energy test (whole cells, and a turned box in cut cells), 64 x 64 cells, at the largest Courant number of
-//! each scheme and at half of it.
-//! Formula: `-L v = 2 v - p'` for the step from `p = v`, `p'' = 0`; its largest eigenvalue by power iteration, the smallest by that of its difference to 4.
+//! Layout: the closed rooms of the energy test (whole cells, and a turned box in cut cells), 64 x 64 cells, at the
+//! largest Courant number of each scheme and at half of it.
+//! Formula: `-L v = 2 v - p'` for the step from `p = v`, `p'' = 0`; its largest eigenvalue by power iteration, the
+//! smallest by that of its difference to 4.
 //! Bias: power iteration approaches from inside.
 //! Tolerance: at most [`fdtd::scheme::Polynomial::bound`], at least 0, rounding 1e-5.
 //!
-//! The same between crossed walls of 20 to 45 degrees, in whose cells the operator is another one (`walls/slant.rs`): at most 4.
+//! The same between crossed walls of 20 to 45 degrees, in whose cells the operator is another one (`walls/slant.rs`):
+//! at most 4.
 
 use crate::rig::{Conditions, Rig, Setting, crossed_room};
 use fdtd::field::{Field, FieldSetup, FieldState, Injection, ReferenceField, StepForcing};
@@ -16,7 +18,8 @@ use fdtd::spread::Spread;
 use fdtd::walls::WallModel;
 use oracles::laws::room::{closed_rig, slanted_rig};
 
-/// Rayleigh quotient after `turns` of power iteration with `-L` (or `4 + L` when `mirrored`), in the inner product of the open areas.
+/// Rayleigh quotient after `turns` of power iteration with `-L` (or `4 + L` when `mirrored`), in the inner product of
+/// the open areas.
 fn extreme(setup: &FieldSetup, areas: &[f64], mirrored: bool, turns: usize) -> f64 {
     let silent = Spread::Bilinear.stencil([30.0, 30.0]);
     let still = Injection {
@@ -24,7 +27,7 @@ fn extreme(setup: &FieldSetup, areas: &[f64], mirrored: bool, turns: usize) -> f
         amplitude: 0.0,
     };
     let step = [StepForcing {
-        quiet: false,
+        flush: false,
         injections: [still; 2],
         receiver: silent,
     }];

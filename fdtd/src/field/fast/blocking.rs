@@ -1,10 +1,13 @@
-//! How much of the field a step of the wavefront takes at once, so that the first-level cache holds what is read again soon.
+//! The part of the field that a step of the wavefront takes at once, so that the first-level cache holds all that is
+//! read again soon.
 //!
-//! The leapfrog's sweep does five operations for three numbers that come from the second-level cache or go there, and waits for them. When a step takes no more rows than fit into the first level, together with the two beyond them and those of the level that is
-//! written, the next step finds nearly all of them there. Wider stencils move on by more rows per step and have more to do for each
-//! number: they take many rows, in parts short enough that a cell is there for all rows of its stencil.
+//! The leapfrog's sweep does five operations for three numbers that come from the second-level cache or go there, and
+//! waits for them. When a step takes no more rows than fit into the first level, together with the two beyond them and
+//! those of the level that is written, the next step finds nearly all of them there. Wider stencils move on by more
+//! rows per step and have more to do for each number: they take many rows, in parts short enough that a cell is there
+//! for all rows of its stencil.
 
-use super::kernel::InstructionSet;
+use super::instructions::InstructionSet;
 use super::layout::{RowLayout, WIDE};
 use crate::scheme::Scheme;
 
@@ -17,7 +20,7 @@ pub struct Machine {
     pub first_level_bytes: usize,
 }
 
-/// What is assumed where the processor does not tell: the smallest in use.
+/// Assumed where the processor does not report its cache: the smallest in use.
 const FIRST_LEVEL_BYTES: usize = 32 * 1024;
 
 impl Machine {
@@ -45,7 +48,7 @@ fn first_level_bytes() -> Option<usize> {
     None
 }
 
-/// What a step of the wavefront takes at once.
+/// The part of the field that a step of the wavefront takes at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Blocking {
     /// Rows.
@@ -64,7 +67,8 @@ impl Blocking {
                 let most = if layout.lanes == WIDE { 6 } else { 4 };
                 let fits = |rows: &usize| (2 * rows + 2) * row_bytes <= first_level_bytes;
                 Self {
-                    // Where not even three fit, all come from farther away, and the most have the fewest rows beside them.
+                    // Where not even three fit, all come from farther away, and the most have the fewest rows beside
+                    // them.
                     rows: (3..=most).rev().find(fits).unwrap_or(most),
                     chunk: whole,
                 }

@@ -2,8 +2,9 @@
 //!
 //! A row is cut in three: a strip at low x and one at high x in plain order, which hold the absorbing layers, and
 //! between them the *centre* in lane-transposed order: cut into as many equal lanes as a vector has numbers, vector `j`
-//! holds the `j`-th cell of every lane. There the neighbour along x is the neighbouring vector, so that every load is aligned and vectors pass
-//! from column to column in registers. Each part has a halo of cells (vectors) that repeats its neighbours.
+//! holds the `j`-th cell of every lane. There the neighbour along x is the neighbouring vector, so that every load is
+//! aligned and vectors pass from column to column in registers. Each part has a halo of cells (vectors) that repeats
+//! its neighbours.
 
 /// Lanes of vectors of 256 bits, the narrowest in use.
 pub(super) const NARROW: usize = 8;
@@ -50,8 +51,8 @@ impl RowLayout {
     /// Layout of rows of `nx` cells with absorbing layers `layer` cells wide (a multiple of [`NARROW`]), in vectors of
     /// `lanes` cells, for a stencil of `radius`.
     ///
-    /// The strips are no wider than the layers, but for what is left over when the centre takes whole vectors, because the centre is
-    /// swept several times faster.
+    /// The strips are no wider than the layers, but for what is left over when the centre takes whole vectors, because
+    /// the centre is swept several times faster.
     pub(super) fn new(nx: usize, layer: usize, lanes: usize, radius: usize) -> Self {
         let halo = radius;
         let strip = layer.max(NARROW);

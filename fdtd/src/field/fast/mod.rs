@@ -1,98 +1,46 @@
-//! The fast engine: several steps per pass through memory, vectors of eight or sixteen cells, one strip of rows per thread.
+//! The fast engine: several steps per pass through memory, vectors of eight or sixteen cells, one strip of rows per
+//! thread.
 //!
-//! * `blocking`: how much of it a step takes at once, by the first-level cache.
-//! * `layout`: lane-transposed rows, so that loads are aligned and shared between columns.
-//! * `memory`: what the absorbing layers remember; `walls`: what walls change.
-//! * `tiles`: time blocks of strips of rows, so that threads meet once per block; `team`: these threads.
-//! * `kernel`: the sweeps, a wavefront of short blocks of rows that keeps the rows of all steps of a block in cache, and the
-//!   vectors of eight or sixteen numbers they are written with.
+//! * `instructions`: the instruction sets; `line`, `level`: cache lines, and a time level made of them;
+//! * `blocking`: how much of the field a step takes at once, by the first-level cache;
+//! * `layout`: lane-transposed rows, so that loads are aligned and shared between columns;
+//! * `pml_memory`: memory of the absorbing layers; `walls`: changes at walls; `plan`: all of this for one field;
+//! * `tiles`: time blocks of strips of rows, so that threads meet once per block; `team`: these threads;
+//! * `kernel`: the sweeps, a wavefront of short blocks of rows that keeps the rows of all steps of a block in cache,
+//!   and the vectors of eight or sixteen numbers they are written with.
 
 mod blocking;
+mod instructions;
 mod kernel;
 mod layout;
-mod memory;
+mod level;
+mod line;
+mod plan;
+mod pml_memory;
 mod team;
 mod tiles;
 mod walls;
 
-use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use blocking::Machine;
-pub use kernel::InstructionSet;
+pub use instructions::InstructionSet;
 #[cfg(target_arch = "x86_64")]
 pub(in crate::field) use kernel::{with_avx2, with_avx512};
 
-use self::blocking::Blocking;
 use self::kernel::Shared;
 use self::layout::RowLayout;
-use self::memory::{MemoryX, MemoryY};
+use self::level::Level;
+use self::plan::Plan;
 use self::team::Team;
-use self::walls::Walls;
-use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows};
-use crate::pml::Profile;
+use super::setup::FieldSetup;
+use super::step::{Field, FieldState, StepForcing, combine_rows};
 use crate::spread::TAPS;
 
 /// Steps per time block, times the stencil's radius: the rows in flight of all steps (about `2 BLOCK` rows, 350 KiB at
-/// 1000 columns) stay in the second-level cache. From 16 to 64 the speed is the same on one thread within a few per cent.
+/// 1000 columns) stay in the second-level cache.
 const BLOCK: usize = 32;
-
-/// All that stays the same from block to block.
-#[derive(Debug)]
-struct Plan {
-    setup: FieldSetup,
-    layout: RowLayout,
-    blocking: Blocking,
-    memory_x: MemoryX,
-    memory_y: MemoryY,
-    high: Profile,
-    row_decay: Vec<Option<[f32; 3]>>,
-    walls: Walls,
-    instructions: InstructionSet,
-}
-
-/// Numbers in a cache line.
-const LINE: usize = 16;
-
-/// A cache line; gives the buffers their alignment.
-#[derive(Debug, Clone, Copy)]
-#[repr(C, align(64))]
-struct Line([f32; LINE]);
-
-/// Lines in a page.
-const PAGE_LINES: usize = 4096 / size_of::<Line>();
-
-/// One time level. The two levels start at different places of a page, wherever the allocator puts them: were the same cells of both at the same place,
-/// loads of one would wait for stores to the other (the processor compares the low 12 bits first).
-#[derive(Debug)]
-struct Level {
-    lines: Vec<Line>,
-    /// Those that hold it.
-    own: Range<usize>,
-}
-
-impl Level {
-    /// Zeros that begin `place` lines into a page.
-    fn silent(numbers: usize, place: usize) -> Self {
-        let count = numbers.div_ceil(LINE);
-        let lines = vec![Line([0.0; LINE]); count + PAGE_LINES - 1];
-        let begin = lines.as_ptr().addr() / size_of::<Line>();
-        let skip = (place + PAGE_LINES - begin % PAGE_LINES) % PAGE_LINES;
-        Self {
-            lines,
-            own: skip..skip + count,
-        }
-    }
-
-    fn numbers(&self) -> &[f32] {
-        kernel::flat(&self.lines[self.own.clone()])
-    }
-
-    fn numbers_mut(&mut self) -> &mut [f32] {
-        kernel::flat_mut(&mut self.lines[self.own.clone()])
-    }
-}
 
 /// Two time levels in lane-transposed rows.
 #[derive(Debug)]
@@ -116,8 +64,8 @@ impl FastField {
         Self::on(Machine::detect(), setup, threads)
     }
 
-    /// As [`FastField::new`], laid out for a machine of choice, which changes no byte; instructions that this one lacks are replaced by the best
-    /// it has.
+    /// As [`FastField::new`], laid out for a machine of choice, which changes no byte; instructions that this one lacks
+    /// are replaced by the best it has.
     ///
     /// # Panics
     /// When the threads cannot be started.
@@ -192,24 +140,6 @@ impl FastField {
     fn row<'a>(&self, level: &'a Level, iy: usize) -> &'a [f32] {
         let (stride, halo) = (self.plan.layout.stride, self.plan.layout.halo);
         &level.numbers()[(iy + halo) * stride..(iy + halo + 1) * stride]
-    }
-}
-
-impl Plan {
-    fn new(setup: FieldSetup, layout: RowLayout, machine: Machine) -> Self {
-        Self {
-            blocking: Blocking::new(setup.scheme, &layout, machine.first_level_bytes),
-            high: setup.layer.mirrored(),
-            memory_x: MemoryX::new(setup.layer.width()),
-            memory_y: MemoryY::new(setup.layer.cells(), layout.stride),
-            row_decay: (0..setup.ny)
-                .map(|iy| setup.layer.row(setup.ny, iy))
-                .collect(),
-            walls: Walls::new(&setup.walls, &setup.surfaces, &layout),
-            layout,
-            instructions: machine.instructions,
-            setup,
-        }
     }
 }
 

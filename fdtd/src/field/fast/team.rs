@@ -1,7 +1,7 @@
 //! The threads of a field: they share out the tiles of a time block and wait for each other.
 //!
-//! A block takes well under a millisecond and the threads finish it within microseconds of each other, less than waking a sleeping
-//! thread takes. Waits therefore begin with a short spin; the calling thread takes tiles like the others.
+//! A block takes well under a millisecond and the threads finish it within microseconds of each other, less than waking
+//! a sleeping thread takes. Waits therefore begin with a short spin; the calling thread takes tiles like the others.
 
 use std::sync::atomic::{AtomicIsize, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -13,8 +13,8 @@ const PATIENCE: Duration = Duration::from_micros(100);
 /// Looks at what is waited for between two looks at the clock, or before others get the processor.
 const LOOKS: usize = 256;
 
-/// How far the wavefront of a tile has come: all steps are done up to here, less the radius per step. On lines of its own, because
-/// another thread looks at it.
+/// How far the wavefront of a tile has come: all steps are done up to here, less the radius per step. On lines of its
+/// own, because another thread looks at it.
 #[derive(Debug)]
 #[repr(align(128))]
 pub(super) struct Front(AtomicIsize);
@@ -24,7 +24,7 @@ impl Front {
         Self(AtomicIsize::new(isize::MIN))
     }
 
-    /// Tells that the wavefront has reached `row`.
+    /// Publishes that the wavefront has reached `row`.
     pub(super) fn reached(&self, row: isize) {
         self.0.store(row, Ordering::Release);
     }
@@ -42,7 +42,7 @@ impl Front {
     }
 }
 
-/// Tells the others at the end of a tile that it is done, even when it ends in a panic.
+/// Publishes the end of a tile when dropped, also in a panic.
 struct Done<'a>(&'a Front, &'a AtomicUsize);
 
 impl Drop for Done<'_> {
@@ -71,8 +71,8 @@ impl Team {
         }))
     }
 
-    /// Runs `run` on every tile with its own front and that of the tile above. Tiles are taken from the last to the first, so that the
-    /// tile above one that is running is done or running itself, and waiting for it ends.
+    /// Runs `run` on every tile with its own front and that of the tile above. Tiles are taken from the last to the
+    /// first, so that the tile above one that is running is done or running itself, and waiting for it ends.
     pub(super) fn run(
         &self,
         tiles: &[Tile],

@@ -1,17 +1,18 @@
 //! How the rows of several steps are shared out among threads.
 //!
-//! In a time block of `T` steps with a stencil of radius `R` every thread advances its own strip of rows, whose bounds move up by `R`
-//! rows per step: all that a strip needs from below are then rows that it has advanced itself, or that are as they were before the
-//! block. From above it needs the first rows of the next strip. A thread works from low to high rows, and when it comes to the
-//! end of its strip, the next one has long left its first rows behind; it waits for that (`Tile::waits_from`), and
-//! there is no other wait within a block. The first strip starts with as many rows less as it gains.
+//! In a time block of `T` steps with a stencil of radius `R` every thread advances its own strip of rows, whose bounds
+//! move up by `R` rows per step: all that a strip needs from below are then rows that it has advanced itself, or that
+//! are as they were before the block. From above it needs the first rows of the next strip. A thread works from low to
+//! high rows, and when it comes to the end of its strip, the next one has long left its first rows behind; it waits for
+//! that (`Tile::waits_from`), and there is no other wait within a block. The first strip starts with as many rows less
+//! as it gains.
 //!
 //! Nothing is read while another thread writes it: two levels lie in two buffers, step `s` reads level `s` and writes
-//! level `s + 1` over level `s - 1`. Around the bound `e + R s` of two strips at step `s`, the upper one reads level `s` from row
-//! `e + R (s - 1)` on, which it wrote itself at step `s - 1` (or nobody, when `s` is zero), and the lower one writes
-//! over it at step `s + 1` once the upper strip has left all rows below `e + R (s + 2)` behind at step `s`. The lower one reads level
-//! `s` up to row `e + R (s + 1) - 1`, which the upper one wrote at step `s - 1` and never writes again. Strips are at least
-//! `2 R T` rows high, so that only neighbours meet.
+//! level `s + 1` over level `s - 1`. Around the bound `e + R s` of two strips at step `s`, the upper one reads level
+//! `s` from row `e + R (s - 1)` on, which it wrote itself at step `s - 1` (or nobody, when `s` is zero), and the lower
+//! one writes over it at step `s + 1` once the upper strip has left all rows below `e + R (s + 2)` behind at step `s`.
+//! The lower one reads level `s` up to row `e + R (s + 1) - 1`, which the upper one wrote at step `s - 1` and never
+//! writes again. Strips are at least `2 R T` rows high, so that only neighbours meet.
 
 /// Rows that one thread advances in a time block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +42,8 @@ impl Tile {
         (self.first, self.end + self.upper_slope * last)
     }
 
-    /// Before a wavefront of `steps` steps touches the first of these rows, that of the tile above must have reached the second.
+    /// Before a wavefront of `steps` steps touches the first of these rows, that of the tile above must have reached
+    /// the second.
     pub(super) fn waits_from(&self, steps: usize) -> (isize, isize) {
         let radius = self.upper_slope;
         (
@@ -51,8 +53,9 @@ impl Tile {
     }
 }
 
-/// The strips for `threads` threads of `ny` rows, `steps` steps and stencil radius `radius`. The first and the last `layer` rows
-/// only belong to the first and the last strip: rows of a layer share the memory of their faces and must be taken in ascending order.
+/// The strips for `threads` threads of `ny` rows, `steps` steps and stencil radius `radius`. The first and the last
+/// `layer` rows only belong to the first and the last strip: rows of a layer share the memory of their faces and must
+/// be taken in ascending order.
 ///
 /// With fewer than `2 radius steps` rows per strip, or `radius steps` beside a layer, fewer strips are made.
 pub(super) fn tiles(

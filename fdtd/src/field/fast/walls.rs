@@ -1,7 +1,7 @@
 //! The walls of a field in terms of the layout.
 //!
-//! Lists go through all rows, so that what a block of rows needs is one part of each: a few long loops instead of several short
-//! ones for each row, whose ends the processor would hardly ever predict.
+//! Lists go through all rows, so that what a block of rows needs is one part of each: a few long loops instead of
+//! several short ones for each row, whose ends the processor would hardly ever predict.
 
 use std::ops::Range;
 
@@ -9,12 +9,13 @@ use super::layout::RowLayout;
 use crate::boundary::{Reaction, Surface, Surfaces};
 use crate::walls::operator::WallOperator;
 
-/// What walls change.
+/// Changes at walls.
 #[derive(Debug)]
 pub(super) struct Walls {
     /// Corrected cells, by how many entries they have.
     pub(super) corrections: Vec<Corrections>,
-    /// Cells inside walls to which the stencil brings something from outside; those farther in stay silent by themselves.
+    /// Cells inside walls to which the stencil brings something from outside; those farther in stay silent by
+    /// themselves.
     pub(super) solid: Cells,
     /// Surfaces that are not rigid, row by row; no rows when there are none.
     surfaces: Vec<Vec<RowSurface>>,

@@ -1,12 +1,14 @@
-//! What a step does in one row: stencils and layers.
+//! One step in one row: stencils and layers.
 
 use super::super::stencil::{Splat, layer};
-use super::RIM;
 use crate::number::Number;
 use crate::scheme::Scheme;
 
-/// What the layer takes the second difference of, for neighbouring cells of a row; `at(along, across)` gives the cells from the
-/// first one on, shifted along the absorbed axis and across it.
+/// Cells of zero pressure around the grid, as many as the widest stencil reaches.
+pub(super) const RIM: usize = 3;
+
+/// Quantity whose second difference the layer takes, for neighbouring cells of a row; `at(along, across)` gives the
+/// cells from the first one on, shifted along the absorbed axis and across it.
 #[inline(always)]
 pub(super) fn layered_row<'a, N: Number + 'a>(
     scheme: Scheme,
@@ -40,8 +42,8 @@ pub(super) fn layered_row<'a, N: Number + 'a>(
     }
 }
 
-/// What the layer adds to neighbouring cells `next` of a row, from what it takes the second difference of below, at and above
-/// them; `memory` holds that of their lower faces, then upper faces, then their own.
+/// Contribution of the layer to neighbouring cells `next` of a row, from the quantity of [`layered_row`] below, at and
+/// above them; `memory` holds that of their lower faces, then upper faces, then their own.
 #[inline(always)]
 pub(super) fn absorb<N: Number>(
     [lower, here, upper]: [&[N]; 3],
@@ -125,8 +127,8 @@ pub(super) fn d25_row<N: Number>(w: &Splat<N>, rows: [&[N]; 7], next: &mut [N]) 
     }
 }
 
-/// What the cells of a column give to the columns beside it. Not a closure: one that is not inlined is compiled without fused
-/// multiply-adds.
+/// Contributions of the cells of a column to the columns beside it. Not a closure: one that is not inlined is compiled
+/// without fused multiply-adds.
 #[inline(always)]
 fn d25_sides<N: Number>(w: &Splat<N>, [s2, s1, here, n1, n2]: [&[N]; 5], x: usize) -> [N; 2] {
     w.d25_sides(here[x], [s1[x].add(n1[x]), s2[x].add(n2[x])])

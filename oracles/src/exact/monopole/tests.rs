@@ -6,7 +6,8 @@ use std::f64::consts::TAU;
 
 const AIR: Medium = CONDITIONS[6].medium;
 
-/// The pressure of a burst at rest by its spectrum: (1/pi) Re int (omega rho / 4) Q(omega) H0^(2)(omega r/c) e^(i omega t) d omega.
+/// The pressure of a burst at rest by its spectrum: (1/pi) Re int (omega rho / 4) Q(omega) H0^(2)(omega r/c) e^(i omega
+/// t) d omega.
 fn by_spectrum(burst: &Burst, r_m: f64, t_s: f64) -> f64 {
     let spread = 9.0 / burst.sigma_s;
     let (low, high) = (

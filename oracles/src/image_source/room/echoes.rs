@@ -1,19 +1,22 @@
 //! The signal of a moving loudspeaker and microphone in a [`Room`].
 //!
-//! The waveform w is the pressure at 1 m from the loudspeaker at rest: `(1/c^2) p_tt - lap p = 4 pi w(t) delta(x - x_s(t))`. What is heard
-//! at `t` left its image at the retarded time `t_e` with `c (t - t_e) = |x_r(t) - x_i(t_e)| = r`, and
+//! The waveform w is the pressure at 1 m from the loudspeaker at rest:
+//! `(1/c^2) p_tt - lap p = 4 pi w(t) delta(x - x_s(t))`. Sound that arrives at `t` left its image at the retarded time
+//! `t_e` with `c (t - t_e) = |x_r(t) - x_i(t_e)| = r`, and
 //! ```text
 //! p(t) = g w(t_e) / (r (1 - M_n))
 //! ```
-//! exactly, with g the product of the faces' reflection factors and `M_n` the Mach number of the image towards the receiver.
+//! exactly, with g the product of the faces' reflection factors and `M_n` the Mach number of the image towards the
+//! receiver.
 
 use rayon::prelude::*;
 
-use super::{Room, Vec3, dot};
-use crate::image_source::{CHUNK_SAMPLES, ImageSourceOptions};
+use super::super::pair::{ImageSourceOptions, in_chunks};
+use super::faces::{Room, Vec3, dot};
 use fdtd::waveform::PeriodicWaveform;
 
-/// Spacing of the times at which delays are solved, in seconds. At 2 m/s^2, more than a robot does, the chord in between is 3 ns off.
+/// Spacing of the times at which delays are solved, in seconds. At 2 m/s^2, more than a robot does, the chord in
+/// between is 3 ns off.
 const NODE_S: f64 = 2e-3;
 
 /// Delay nodes per evaluation of the visibility.
@@ -22,7 +25,7 @@ const NODES_PER_VIEW: usize = 10;
 /// Half the interval over which velocities are taken, in seconds.
 const VELOCITY_S: f64 = 1e-3;
 
-/// A position in metres at any time in seconds; asked at times somewhat before 0 and after the end too.
+/// A position in metres at any time in seconds; evaluated at times somewhat before 0 and after the end too.
 pub type SpatialPositionAt<'a> = &'a (dyn Fn(f64) -> [f64; 3] + Sync);
 
 /// A loudspeaker and a microphone that move in a room, slower than sound.
@@ -36,8 +39,9 @@ pub struct RoomPair<'a> {
     pub duration_s: f64,
 }
 
-/// Pressure at the microphone, in the unit of the waveform at 1 m: `floor(duration * sample_rate)` samples, the first at time 0. The source
-/// has sounded for ever, so that the first sample already holds all echoes. The result does not depend on the number of threads.
+/// Pressure at the microphone, in the unit of the waveform at 1 m: `floor(duration * sample_rate)` samples, the first
+/// at time 0. The source has sounded for ever, so that the first sample already holds all echoes. The result does not
+/// depend on the number of threads.
 pub fn synthesize(
     room: &Room,
     pair: &RoomPair<'_>,
@@ -52,43 +56,36 @@ pub fn synthesize(
         .filter(|sequence| options.include_direct || !sequence.is_empty())
         .filter_map(|sequence| track(room, sequence, pair, c_mps, options.fade_m))
         .collect();
-    // A whole number of samples must not be lost to the last bit of a product.
-    let samples = (pair.duration_s * sample_rate_hz + 1e-6).floor().max(0.0) as usize;
-    let mut signal = vec![0.0_f32; samples];
-    signal
-        .par_chunks_mut(CHUNK_SAMPLES)
-        .enumerate()
-        .for_each(|(chunk, out)| {
-            for (offset, sample) in out.iter_mut().enumerate() {
-                let place = (chunk * CHUNK_SAMPLES + offset) as f64 / sample_rate_hz / NODE_S;
-                let index = place as usize;
-                let u = place - index as f64;
-                let sum: f64 = tracks
-                    .iter()
-                    .map(|nodes| {
-                        let (before, after) = (nodes[index], nodes[index + 1]);
-                        let gain = before.gain + u * (after.gain - before.gain);
-                        if gain == 0.0 {
-                            return 0.0;
-                        }
-                        let sent_s = before.sent_s + u * (after.sent_s - before.sent_s);
-                        gain * waveform.value(sent_s)
-                    })
-                    .sum();
-                *sample = sum as f32;
-            }
-        });
-    signal
+    in_chunks(pair.duration_s, sample_rate_hz, |first, out| {
+        for (offset, sample) in out.iter_mut().enumerate() {
+            let place = (first + offset) as f64 / sample_rate_hz / NODE_S;
+            let index = place as usize;
+            let u = place - index as f64;
+            let sum: f64 = tracks
+                .iter()
+                .map(|nodes| {
+                    let (before, after) = (nodes[index], nodes[index + 1]);
+                    let gain = before.gain + u * (after.gain - before.gain);
+                    if gain == 0.0 {
+                        return 0.0;
+                    }
+                    let sent_s = before.sent_s + u * (after.sent_s - before.sent_s);
+                    gain * waveform.value(sent_s)
+                })
+                .sum();
+            *sample = sum as f32;
+        }
+    })
 }
 
-/// When what is heard at a node was sent, and how loud it is.
+/// Time of emission and gain of the sound that arrives at a node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Node {
     pub(super) sent_s: f64,
     pub(super) gain: f64,
 }
 
-/// Follows one face sequence over the drive; none when it is never heard.
+/// Follows one face sequence over the drive; none when it never arrives.
 pub(super) fn track(
     room: &Room,
     sequence: &[usize],

@@ -14,7 +14,8 @@ fn shoebox(size_m: [f64; 3], reflection: f64) -> Room {
     Room::new(&[[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]], z, reflection).unwrap()
 }
 
-/// Images of a shoebox by its lattice: every image of up to `order` reflections once, as (distance, number of reflections).
+/// Images of a shoebox by its lattice: every image of up to `order` reflections once, as (distance, number of
+/// reflections).
 fn lattice(size_m: [f64; 3], source: [f64; 3], receiver: [f64; 3], order: i32) -> Vec<(f64, i32)> {
     // Cell k of one axis holds the image at k L + x for even k, k L + L - x for odd k, after |k| reflections.
     let at = |k: i32, axis: usize| {
@@ -51,7 +52,8 @@ fn pulse() -> PeriodicWaveform {
     PeriodicWaveform::new(&samples, 0.1, 19e3, RATE_HZ)
 }
 
-/// Tolerance 2e-3 of the pulse at 1 m: its band limit. A source off all planes of symmetry keeps every path far from borders of visibility.
+/// Tolerance 2e-3 of the pulse at 1 m: its band limit. A source off all planes of symmetry keeps every path far from
+/// borders of visibility.
 #[test]
 fn a_static_pair_hears_every_image_of_the_lattice_once() {
     let (size, source, receiver) = ([4.1, 5.3, 2.6], [1.23, 2.17, 0.4], [1.31, 2.02, 0.9]);

@@ -1,10 +1,11 @@
-//! What comes back to a place of a scene, and which of its echoes stand alone there.
+//! Paths of sound back to a place of a scene, and the echoes that stand alone there.
 //!
-//! An echo is that of its image only where the wave meets whole walls. An end of a wall diffracts; the wave that it scatters goes from
-//! wall to wall like any other and comes back by the rays through the end. Its way is longer than that of an echo by half a wavelength when
-//! the end lies at the border of the echo's first Fresnel zone, and by nothing when the echo is reflected, or passes, right there: whether an edge
-//! diffracts into an echo is told by the lengths of the ways alone. So all ways are listed here: by walls, and by walls and one end of a
-//! wall anywhere among them. Ends that scatter one after the other are left out: at 8 kHz each takes some 30 dB, but where the second lies
+//! An echo is that of its image only where the wave meets whole walls. An end of a wall diffracts; the wave that it
+//! scatters goes from wall to wall like any other and comes back by the rays through the end. Its way is longer than
+//! that of an echo by half a wavelength when the end lies at the border of the echo's first Fresnel zone, and by
+//! nothing when the echo is reflected, or passes, right there: whether an edge diffracts into an echo follows from the
+//! lengths of the ways alone. So all ways are listed here: by walls, and by walls and one end of a wall anywhere among
+//! them. Ends that scatter one after the other are left out: at 8 kHz each takes some 30 dB, but where the second lies
 //! on the border of the first one's rays, and that is what the slack is for.
 
 use crate::rays::{RayPath, Reflectors, TraceOptions, trace};
@@ -17,7 +18,8 @@ const LONGEST_M: f64 = 9.0;
 const MAX_ORDER: usize = 4;
 /// Most reflections on a way by an edge, before and behind it together.
 const MAX_ORDER_BY_EDGE: usize = 3;
-/// How far beyond a wall's end a way may be reflected, or how far behind it pass, in metres: sound does not end sharply there.
+/// How far beyond a wall's end a way may be reflected, or how far behind it pass, in metres: sound does not end sharply
+/// there.
 const SLACK_M: f64 = 0.4;
 
 /// A way from a place back to it.
@@ -44,7 +46,8 @@ fn same_walls(one: &[(usize, usize)], other: &[(usize, usize)]) -> bool {
     one == other || one.iter().rev().eq(other)
 }
 
-/// Those of the sequences of faces by which sound comes from one point to another, with slack, and how long these ways are in metres.
+/// Those of the sequences of faces by which sound comes from one point to another, with slack, and how long these ways
+/// are in metres.
 fn ways<'a>(
     reflectors: &Reflectors,
     from_m: [f64; 2],
@@ -115,7 +118,7 @@ pub(super) fn alone(reflectors: &Reflectors, place_m: [f64; 2]) -> Vec<RayPath> 
     let others = arrivals(reflectors, place_m);
     let mut found: Vec<RayPath> = Vec::new();
     for ray in rays(reflectors, place_m) {
-        // A pair in one point hears both orders of a double echo at once; they are one echo, see `orders`.
+        // A pair in one point receives both orders of a double echo at once; they are one echo, see `orders`.
         let known = |other: &RayPath| {
             (other.length_m - ray.length_m).abs() < 1e-6 && same_walls(&other.walls, &ray.walls)
         };
@@ -134,14 +137,14 @@ pub(super) fn alone(reflectors: &Reflectors, place_m: [f64; 2]) -> Vec<RayPath> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rays::{RayKind, Segment};
+    use crate::rays::{RayKind, WallSegment};
 
     fn walls<const N: usize>(ends_m: [[[f64; 2]; 2]; N]) -> Reflectors {
         Reflectors::new(
             ends_m
                 .into_iter()
                 .enumerate()
-                .map(|(wall, ends_m)| Segment {
+                .map(|(wall, ends_m)| WallSegment {
                     wall,
                     piece: 0,
                     ends_m,
@@ -175,8 +178,8 @@ mod tests {
 
     #[test]
     fn an_end_near_the_second_reflection_diffracts_into_a_double_echo() {
-        // The two single walls of `scenes/four_walls.json`. The first has no echo of its own here, not even with slack, yet sends sound on to the
-        // second one's end.
+        // The two single walls of `scenes/four_walls.json`. The first has no echo of its own here, not even with slack,
+        // yet sends sound on to the second one's end.
         let end_m = [3.611, 1.773];
         let walls = walls([[[1.172, 3.787], [3.312, 4.5]], [end_m, [4.233, 3.638]]]);
         let place_m = [1.318, 1.4036];

@@ -7,7 +7,7 @@ use rustfft::num_complex::Complex;
 use super::super::conditions::Conditions;
 use super::super::rig::decibels;
 use super::alone::{APART_M, rays};
-use super::{Echo, burst};
+use crate::exact::burst::Burst;
 use crate::exact::hankel::hankel0;
 use crate::rays::{RayKind, RayPath, Reflectors};
 use fdtd::scene::Scene;
@@ -17,7 +17,36 @@ use fdtd::simulation::SOURCE_STRENGTH_M2PS;
 /// Frequencies of the fit: first, last and step, in hertz on the papers' grid.
 const FIT_HZ: [f64; 3] = [5e3, 11e3, 125.0];
 
-/// How many orders of its walls a ray stands for: a double echo between two walls is heard both ways round, a corner's only once.
+/// One echo, field and image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Echo {
+    /// Kind of the ray.
+    pub kind: RayKind,
+    /// Numbers of the walls that it met.
+    pub walls: Vec<usize>,
+    /// Whether all of them run along the grid.
+    pub along_grid: bool,
+    /// Length of the ray in metres.
+    pub length_m: f64,
+    /// Arrival of the burst's peak by the image at the speed of sound, in seconds.
+    pub arrival_s: f64,
+    /// Level of the image's echo relative to 1 Pa of peak spectrum, dB; for figures.
+    pub level_db: f64,
+    /// Field's level over the image's, dB.
+    pub louder_db: f64,
+    /// Field's delay minus the image's with the grid's dispersion, in seconds.
+    pub late_s: f64,
+    /// Field's delay of the envelope minus the image's at the speed of sound, in seconds.
+    pub late_on_c_s: f64,
+}
+
+/// The loudspeaker's signal, of peak 1.
+pub fn burst(conditions: &Conditions) -> Burst {
+    conditions.burst(8e3, 2e3)
+}
+
+/// How many orders of its walls a ray stands for: a double echo between two walls arrives both ways round, a corner's
+/// only once.
 fn orders(ray: &RayPath) -> f64 {
     if ray.kind == RayKind::Double {
         2.0
@@ -60,7 +89,8 @@ fn fit_hz(conditions: &Conditions) -> impl Iterator<Item = f64> {
 /// A frequency in hertz, and what was found and expected there.
 type Pair = (f64, Complex<f64>, Complex<f64>);
 
-/// Weighted phase of `found` over `expected` as level ratio and delay in s: the delay of the phase, or with `envelope` that of its slope.
+/// Weighted phase of `found` over `expected` as level ratio and delay in s: the delay of the phase, or with `envelope`
+/// that of its slope.
 fn compare(pairs: &[Pair], envelope: bool) -> [f64; 2] {
     let found: f64 = pairs.iter().map(|pair| pair.1.norm_sqr()).sum();
     let expected: f64 = pairs.iter().map(|pair| pair.2.norm_sqr()).sum();

@@ -1,20 +1,24 @@
 //! Echoes of the paper-size scene beside its image sources, where no edge diffracts.
 //!
-//! Layout: `scenes/four_walls.json` with its own cells, scheme and spreading, at each place in another medium and at another Courant number; the robot at rest at places of its area, those of a raster where most echoes
-//! can be compared; one burst of 8 kHz with a standard deviation of 2 kHz; walls as cut cells, whatever the scene says. The same without
-//! walls is subtracted: what is left are echoes. Once with all walls, once with only the pair that runs along the grid.
-//! Formula: every visible ray of first and second order ([`crate::rays`]) is a line source at its image, `(omega rho Q / 4) H0^(2)(k r)` in frequency,
-//! which each leg delays by the scheme's own dispersion relation along its direction (o13 is faster than c by up to 0.4 %, tens of
-//! microseconds on eight metres: shown as the delay of the envelope on c, and taken out of the comparison).
-//! Only echoes into which neither an edge diffracts nor another echo falls are compared: 0.3 m of path apart from all other rays up to fourth order and
-//! from all ways by one end of a wall with up to three reflections before and behind it, both also when they miss a wall or the way past one by
-//! up to 0.4 m (`alone.rs`). Level and delay are fitted over 5 to 11 kHz, where the burst is above a third of its peak, the delay by the phase.
-//! Bias: dispersion bends the wave fronts, so that their curvature and with it the level changes by direction, 0.1 dB at 10 kHz; the window's
-//! flanks; what two ends of walls scatter one after the other.
-//! What edges do: a wall's end whose own echo comes 4 cm of path after a corner's makes that 0.9 us late, one 2 cm beside the second reflection of a
-//! double echo takes 5.5 dB; with those walls prolonged both echoes are within tolerance.
-//! Tolerance: 0.15 dB and 0.5 us; half a cell of error in a wall's place would be 15 us. Walls made of whole cells fail: slanted ones of slope 1 to 2
-//! give single echoes 4 to 7 us late.
+//! Layout: `scenes/four_walls.json` with its own cells, scheme and spreading, at each place in another medium and at
+//! another Courant number; the robot at rest at places of its area, those of a raster where most echoes can be
+//! compared; one burst of 8 kHz with a standard deviation of 2 kHz; walls as cut cells, whatever the scene says. The
+//! same without walls is subtracted: the rest are echoes. Once with all walls, once with only the pair that runs along
+//! the grid.
+//! Formula: every visible ray of first and second order ([`crate::rays`]) is a line source at its image,
+//! `(omega rho Q / 4) H0^(2)(k r)` in frequency, which each leg delays by the scheme's own dispersion relation along
+//! its direction (o13 is faster than c by up to 0.4 %, tens of microseconds on eight metres: shown as the delay of the
+//! envelope on c, and taken out of the comparison). Only echoes into which neither an edge diffracts nor another echo
+//! falls are compared: 0.3 m of path apart from all other rays up to fourth order and from all ways by one end of a
+//! wall with up to three reflections before and behind it, both also when they miss a wall or the way past one by up to
+//! 0.4 m (`alone.rs`). Level and delay are fitted over 5 to 11 kHz, where the burst is above a third of its peak, the
+//! delay by the phase.
+//! Bias: dispersion bends the wave fronts, so that their curvature and with it the level changes by direction, 0.1 dB
+//! at 10 kHz; the window's flanks; what two ends of walls scatter one after the other.
+//! Edges: a wall's end whose own echo comes 4 cm of path after a corner's makes that 0.9 us late, one 2 cm beside the
+//! second reflection of a double echo takes 5.5 dB; with those walls prolonged both echoes are within tolerance.
+//! Tolerance: 0.15 dB and 0.5 us; half a cell of error in a wall's place would be 15 us. Walls made of whole cells
+//! fail: slanted ones of slope 1 to 2 give single echoes 4 to 7 us late.
 
 mod alone;
 mod image;
@@ -23,47 +27,40 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use self::alone::alone;
+pub use self::image::{Echo, burst};
 use self::image::{echo, images};
 use super::conditions::Conditions;
+use super::measurement::{Depth, Measurement};
 use super::rig::{difference, echoes, norm};
 use super::setting::Setting;
-use super::{Depth, Measurement};
-use crate::exact::burst::Burst;
-use crate::rays::{RayKind, RayPath, Reflectors};
+use crate::rays::{RayPath, Reflectors};
 use fdtd::Error;
 use fdtd::motion::{DrivePath, MotionState};
 use fdtd::scene::Scene;
 use fdtd::walls::{Wall, WallModel};
 
-/// The scene.
-const SCENE: &str = include_str!("../../../../scenes/four_walls.json");
+/// Walls, grid and emitter of `scenes/four_walls.json`; a test holds them equal.
+const SCENE: &str = r#"{
+    "name": "four walls",
+    "medium": { "c_mps": 340.0, "rho_kgpm3": 1.293 },
+    "grid": { "nx": 1000, "ny": 1000, "dx_m": 0.005, "dt_s": 8.333333333333334e-06 },
+    "layer_cells": 20,
+    "scheme": "o13",
+    "spread": "kaiser12",
+    "wall_model": "staircase",
+    "walls": [
+        { "points_m": [[0.49, 0.5], [2.63, 0.5]], "thickness_m": 0.02 },
+        { "points_m": [[0.5, 0.49], [0.5, 2.74]], "thickness_m": 0.02 },
+        { "points_m": [[1.172, 3.787], [3.312, 4.5]], "thickness_m": 0.02 },
+        { "points_m": [[3.611, 1.773], [4.233, 3.638]], "thickness_m": 0.02 }
+    ],
+    "waveform": { "code_length": 1023, "chip_rate_hz": 10000.0, "carrier_hz": 10000.0, "band_hz": [0.0, 14000.0] },
+    "sample_rate_hz": 40000.0
+}"#;
 /// Duration on the papers' grid.
 const DURATION_S: f64 = 0.031;
 
-/// One echo, field and image.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Echo {
-    /// What the ray met.
-    pub kind: RayKind,
-    /// Numbers of the walls that it met.
-    pub walls: Vec<usize>,
-    /// Whether all of them run along the grid.
-    pub along_grid: bool,
-    /// Length of the ray in metres.
-    pub length_m: f64,
-    /// Arrival of the burst's peak by the image at the speed of sound, in seconds.
-    pub arrival_s: f64,
-    /// Level of the image's echo relative to 1 Pa of peak spectrum, dB; for figures.
-    pub level_db: f64,
-    /// Field's level over the image's, dB.
-    pub louder_db: f64,
-    /// Field's delay minus the image's with the grid's dispersion, in seconds.
-    pub late_s: f64,
-    /// Field's delay of the envelope minus the image's at the speed of sound, in seconds.
-    pub late_on_c_s: f64,
-}
-
-/// A place of the robot: what is heard there, and the echoes that can be compared.
+/// A place of the robot: the signal there, and the echoes that can be compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
     /// Where, in metres.
@@ -80,12 +77,7 @@ pub struct Place {
     pub echoes: Vec<Echo>,
 }
 
-/// What the loudspeaker sends, of peak 1.
-pub fn burst(conditions: &Conditions) -> Burst {
-    conditions.burst(8e3, 2e3)
-}
-
-/// Hears the echoes at a place of the scene.
+/// Measures the echoes at a place of the scene.
 ///
 /// # Errors
 /// When the field becomes non-finite.
@@ -130,12 +122,13 @@ fn place(scene: &Scene, whole: bool, place_m: [f64; 2]) -> Result<Place, Error> 
     })
 }
 
-/// Hears the echoes at places of the robot's area: with only those walls that run along the grid, and in the whole scene.
+/// Measures the echoes at places of the robot's area: with only those walls that run along the grid, and in the whole
+/// scene.
 ///
 /// # Errors
 /// When the field becomes non-finite.
 pub fn places(depth: Depth) -> Result<Vec<Place>, Error> {
-    let mut whole = Scene::from_json(SCENE, Path::new("scenes/four_walls.json"))?;
+    let mut whole = Scene::from_json(SCENE, Path::new("four walls"))?;
     whole.wall_model = WallModel::CutCells;
     let mut along = whole.clone();
     along.walls.retain(|wall| {
@@ -179,8 +172,8 @@ fn candidates(walls: &[Wall]) -> Vec<Candidate> {
         .collect()
 }
 
-/// Places at least half a metre apart, each the one with the most echoes that were compared least: an echo of walls that `compared` holds
-/// n times counts for `4^-n`.
+/// Places at least half a metre apart, each the one with the most echoes that were compared least: an echo of walls
+/// that `compared` holds n times counts for `4^-n`.
 fn choose(
     mut candidates: Vec<Candidate>,
     count: usize,
@@ -241,4 +234,19 @@ pub fn measure(depth: Depth) -> Result<Vec<Measurement>, Error> {
         }
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scene_is_that_of_the_scene_file() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/four_walls.json");
+        let mut shipped = Scene::load(&file).unwrap();
+        shipped.description.clear();
+        shipped.paths.clear();
+        let own = Scene::from_json(SCENE, Path::new("four walls")).unwrap();
+        assert_eq!(format!("{own:?}"), format!("{shipped:?}"));
+    }
 }

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use super::super::super::layer_row;
 use super::super::super::stencil::{Splat, face_memory, layer_cell};
-use super::super::Plan;
+use super::super::super::step::layer_row;
+use super::super::plan::Plan;
 use super::near::{Loads, Near, Turned, beside};
+use super::shared::{Levels, Shared};
 use super::sweep::Sweep;
 use super::vector::Vector;
-use super::{Levels, Shared};
 
 /// The layers along y on some vectors of the centre in some rows, after the plain step.
 ///
@@ -37,8 +37,8 @@ pub(super) unsafe fn centre<V: Vector, S: Sweep<V>>(
     }
 }
 
-/// The layer along y on side `HIGH` in some columns of vectors of the centre. Where registers are few vectors are short, and two
-/// share a cache line and are taken together.
+/// The layer along y on side `HIGH` in some columns of vectors of the centre. Where registers are few vectors are
+/// short, and two share a cache line and are taken together.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
@@ -67,8 +67,8 @@ unsafe fn centre_columns<V: Vector, S: Sweep<V>, const HIGH: bool>(
     }
 }
 
-/// The layer along y on side `HIGH` in the column of `COUNT` vectors at `x` of the centre, rows in ascending order: a row's upper slope and face are
-/// the next row's lower ones.
+/// The layer along y on side `HIGH` in the column of `COUNT` vectors at `x` of the centre, rows in ascending order: a
+/// row's upper slope and face are the next row's lower ones.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
@@ -172,11 +172,12 @@ impl LayerRow {
         })
     }
 
-    /// New pressure after the layer of the cells amid `near`, `x` from the start of the row, from the one before. The memory of
-    /// the first `foreign` cells stays as it is.
+    /// New pressure after the layer of the cells amid `near`, `x` from the start of the row, from the one before. The
+    /// memory of the first `foreign` cells stays as it is.
     ///
     /// # Safety
-    /// The cells' memory must be this thread's, as many rows and cells beyond these as the stencil reaches be readable, and the row below done but not the row above.
+    /// The cells' memory must be this thread's, as many rows and cells beyond these as the stencil reaches be readable,
+    /// and the row below done but not the row above.
     #[inline(always)]
     pub(super) unsafe fn absorb<V: Vector, S: Sweep<V>, N: Near<V>>(
         &self,

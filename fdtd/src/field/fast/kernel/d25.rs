@@ -8,7 +8,8 @@ use super::near::{Loads, Near, beside};
 use super::sweep::Sweep;
 use super::vector::Vector;
 
-/// Columns taken together where registers are few: after so many, every running sum is in the register where it was, and none was moved.
+/// Columns taken together where registers are few: after so many, every running sum is in the register where it was,
+/// and none was moved.
 const UNROLLED: usize = 6;
 
 /// The 25-point sweep.
@@ -105,8 +106,9 @@ unsafe fn verticals<V: Vector>(at: *const f32, stride: usize) -> [V; 3] {
     }
 }
 
-/// What a column gives to the columns beside it and two away, from its cells up to `far` rows away: 2, or 1 where what it gives beside it, which is
-/// wrong then, is not asked for. A function, not a closure: a closure that is not inlined would call every vector instruction as a function.
+/// Contributions of a column to the columns beside it and two away, from its cells up to `far` rows away: 2, or 1 where
+/// the contribution to the columns beside it, which is wrong then, is not used. A function, not a closure: a closure
+/// that is not inlined would call every vector instruction as a function.
 ///
 /// # Safety
 /// As [`Near::at`].
@@ -166,8 +168,8 @@ unsafe fn centre_row<V: Vector>(
     stride: usize,
     vectors: usize,
 ) {
-    // SAFETY: the caller's promise covers every offset used here; `target` is read up to three vectors beyond the end, where
-    // its halo is, and written inside only.
+    // SAFETY: the caller's promise covers every offset used here; `target` is read up to three vectors beyond the end,
+    // where its halo is, and written inside only.
     unsafe {
         let column = |j: isize| row.offset(j * V::LANES as isize);
         let here = |j: isize| V::load(column(j));

@@ -3,8 +3,8 @@
 use super::super::layout::RowLayout;
 use super::vector::Vector;
 
-/// Rebuilds the halos of the row at `row`. With aligned loads and stores only, whole vectors each: a vector read one cell off, or
-/// one completed by a single cell, would wait until its stores have left the processor's queue.
+/// Rebuilds the halos of the row at `row`. With aligned loads and stores only, whole vectors each: a vector read one
+/// cell off, or one completed by a single cell, would wait until its stores have left the processor's queue.
 ///
 /// # Safety
 /// The row must be this thread's.

@@ -1,19 +1,19 @@
 //! The strips beside the centre with the layers along x.
 //!
-//! A vector of a strip takes the plain step and both layers while it is in registers: what the layers read is what the stencil
-//! reads, and the new pressure is stored once. Several rows are taken one after the other, so that the layer's decays stay in
-//! registers too.
+//! A vector of a strip takes the plain step and both layers while it is in registers: what the layers read is what the
+//! stencil reads, and the new pressure is stored once. Several rows are taken one after the other, so that the layer's
+//! decays stay in registers too.
 
 use std::ops::Range;
 
 use super::super::super::stencil::{Splat, face_memory, layer_cell};
-use super::super::Plan;
 use super::super::layout::{Column, NARROW};
+use super::super::plan::Plan;
 use super::along_y::LayerRow;
 use super::near::{Loads, beside};
+use super::shared::{Levels, Shared, Weights};
 use super::sweep::Sweep;
 use super::vector::Vector;
-use super::{Levels, Shared, Weights};
 
 /// One step of some rows of the strips.
 ///
@@ -88,7 +88,8 @@ unsafe fn strip_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>, const ALONG_Y: b
     }
 }
 
-/// One step of some rows of the column at `x`, whose cells in the layer along x on side `SIDE` (0 low, 1 high) begin with `first`.
+/// One step of some rows of the column at `x`, whose cells in the layer along x on side `SIDE` (0 low, 1 high) begin
+/// with `first`.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.

@@ -1,7 +1,7 @@
 //! The 13-point scheme's sweep.
 
 use super::super::super::stencil::Splat;
-use super::super::LINE;
+use super::super::line::LINE;
 use super::near::Near;
 use super::sweep::Sweep;
 use super::vector::Vector;
@@ -69,7 +69,7 @@ impl<V: Vector> Sweep<V> for M13 {
                 while j + UNROLLED <= vectors {
                     let at = row.add(j * V::LANES);
                     let target = target.add(j * V::LANES);
-                    // What the next row is the first to use.
+                    // Cells that the next row is the first to use.
                     for k in (0..UNROLLED).step_by(LINE / V::LANES) {
                         V::fetch(at.wrapping_add(3 * stride + k * V::LANES));
                         V::fetch(target.wrapping_add(stride + k * V::LANES));
@@ -87,13 +87,13 @@ impl<V: Vector> Sweep<V> for M13 {
     }
 }
 
-/// What one row's sweep holds in registers.
+/// Values that one row's sweep holds in registers.
 struct Held<V> {
     /// The row's cells from two columns to the west to one to the east.
     here: [V; 4],
     /// The sum of the cells below and above.
     middle: V,
-    /// What the column to the west and this one give to those beside them.
+    /// Contributions of the column to the west and of this one to those beside them.
     columns: [V; 2],
 }
 
@@ -189,7 +189,7 @@ unsafe fn m13_pair<V: Vector>(
     }
 }
 
-/// What the sweep over two rows holds from vector to vector.
+/// Values that the sweep over two rows holds from vector to vector.
 struct Pair<V> {
     /// Cells of the lower and the upper row, from two to the west to one to the east.
     rows: [[V; 4]; 2],
@@ -202,7 +202,7 @@ struct Pair<V> {
 }
 
 impl<V: Vector> Pair<V> {
-    /// What is held before the vector at `now` of the lower row.
+    /// The values held before the vector at `now` of the lower row.
     ///
     /// # Safety
     /// As [`m13_pair`].

@@ -2,29 +2,32 @@
 //!
 //! * here: who runs which rows of which step; `walls`: what walls change; `transducers`: source and receiver;
 //! * `sweep`, `slf`, `m13`, `d25`: the plain stencils;
-//! * `layers`: the strips beside the centre with the absorbing layers along x; `along_y`: those along y; `near`: what they see of a cell's neighbourhood;
-//! * `quiet`: small numbers set to zero;
+//! * `layers`: the strips beside the centre with the absorbing layers along x; `along_y`: those along y; `near`: what
+//!   they see of a cell's neighbourhood;
+//! * `flush_subnormals`: small numbers set to zero;
 //! * `halo`: the cells that rows hold twice;
-//! * `instructions`: which instruction sets there are; `vector`: eight or sixteen numbers of one.
+//! * `shared`: buffers, levels and weights; `compiled`: functions for an instruction set; `vector`: eight or sixteen
+//!   numbers of one.
 //!
-//! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same
-//! time, which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said
-//! in `tiles`: which rows a tile reads and writes, and for which of another tile's it waits, so that no two tiles touch the same
-//! row at the same time in conflicting ways. All pointers stay inside the buffers because the layout gives every row a halo of
-//! vectors and the buffers a rim of rows as wide as the stencil reaches.
+//! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same time,
+//! which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said in
+//! `tiles`: which rows a tile reads and writes, and for which of another tile's it waits, so that no two tiles touch
+//! the same row at the same time in conflicting ways. All pointers stay inside the buffers because the layout gives
+//! every row a halo of vectors and the buffers a rim of rows as wide as the stencil reaches.
 #![expect(
     unsafe_code,
     reason = "disjoint rows of shared buffers; see the module's text"
 )]
 
 mod along_y;
+mod compiled;
 mod d25;
+mod flush_subnormals;
 mod halo;
-mod instructions;
 mod layers;
 mod m13;
 mod near;
-mod quiet;
+mod shared;
 mod slf;
 mod sweep;
 mod transducers;
@@ -33,67 +36,26 @@ mod walls;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-pub use self::instructions::InstructionSet;
 #[cfg(target_arch = "x86_64")]
-pub(in crate::field) use self::instructions::{with_avx2, with_avx512};
+pub(in crate::field) use self::compiled::{with_avx2, with_avx512};
 
 use self::d25::D25;
 use self::m13::M13;
+pub(super) use self::shared::Shared;
+use self::shared::{Levels, Weights};
 use self::slf::Slf;
-use self::sweep::Sweep;
+use self::sweep::{Sweep, SweepVector};
+use self::vector::Plain;
 #[cfg(target_arch = "x86_64")]
 use self::vector::{Avx, Avx512};
-use self::vector::{Plain, Vector};
-use super::super::StepForcing;
-use super::super::stencil::Splat;
+use super::super::step::StepForcing;
+use super::instructions::InstructionSet;
+use super::line::Line;
+use super::plan::Plan;
 use super::team::{Front, Team};
 use super::tiles::Tile;
-use super::{Line, Plan};
 use crate::scheme::Scheme;
 use crate::spread::{Stencil, TAPS};
-
-/// The buffers of a field as the tiles of one time block see them.
-#[derive(Clone, Copy)]
-pub(super) struct Shared {
-    /// Level of the first step, and the past that it overwrites; both start at the first row of the rim.
-    pub(super) levels: [*mut f32; 2],
-    /// Layer memory along x, see `memory`.
-    pub(super) layer_x: *mut f32,
-    /// Layer memory along y, see `memory`.
-    pub(super) layer_y: *mut f32,
-    /// Memory of surfaces that are not rigid; that of a row belongs to who writes the row.
-    pub(super) surfaces: *mut f32,
-}
-
-/// The stencil's weights for whole vectors and for the narrow ones of the strips, worked out once for all rows of a tile.
-struct Weights<V: Vector> {
-    wide: Splat<V>,
-    narrow: Splat<V::Narrow>,
-}
-
-impl<V: Vector> Weights<V> {
-    #[inline(always)]
-    fn new(plan: &Plan) -> Self {
-        let weights = &plan.setup.weights;
-        Self {
-            wide: Splat::new(weights),
-            narrow: Splat::new(weights),
-        }
-    }
-}
-
-/// The levels of one step: the one it reads, and the past that it overwrites.
-#[derive(Clone, Copy)]
-struct Levels {
-    now: *const f32,
-    next: *mut f32,
-}
-
-// SAFETY: the pointers are only used by tiles of one block, on disjoint rows (see `tiles`), while the field that owns
-// the buffers is mutably borrowed by the call that starts them.
-unsafe impl Send for Shared {}
-// SAFETY: as above.
-unsafe impl Sync for Shared {}
 
 /// Sums that the receiver's rows leave, `[step, row of stencil]`, as bits of `f64`.
 pub(super) type RowSums = [[AtomicU64; TAPS]];
@@ -136,8 +98,8 @@ pub(super) fn flat_mut(lines: &mut [Line]) -> &mut [f32] {
 /// Runs one tile of a time block.
 ///
 /// # Safety
-/// `shared` must hold the buffers of `plan`, and the rows of `tile` be touched by no other thread but those that run the other tiles
-/// of the block, with these fronts.
+/// `shared` must hold the buffers of `plan`, and the rows of `tile` be touched by no other thread but those that run
+/// the other tiles of the block, with these fronts.
 pub(super) unsafe fn run_tile(
     plan: &Plan,
     shared: Shared,
@@ -211,7 +173,7 @@ instantiate!(avx2_d25, Avx, D25, "avx2,fma");
 /// # Safety
 /// As [`run_tile`].
 #[inline(always)]
-unsafe fn sweep_tile<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
+unsafe fn sweep_tile<V: SweepVector, S: Sweep<V> + Sweep<V::Narrow>>(
     plan: &Plan,
     shared: Shared,
     tile: &Tile,
@@ -262,7 +224,7 @@ unsafe fn sweep_tile<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
 /// # Safety
 /// As [`run_tile`], for these rows.
 #[inline(always)]
-unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
+unsafe fn advance_rows<V: SweepVector, S: Sweep<V> + Sweep<V::Narrow>>(
     plan: &Plan,
     shared: Shared,
     weights: &Weights<V>,
@@ -280,8 +242,8 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
     // SAFETY: rows lie in the grid, and the buffers have a rim of rows on both sides; within a row every offset comes
     // from the layout. The caller promises that nobody else touches what is written here.
     unsafe {
-        if forcing.quiet {
-            quiet::memory::<V>(plan, shared, rows.clone());
+        if forcing.flush {
+            flush_subnormals::memory::<V>(plan, shared, rows.clone());
         }
         let start = (rows.start + layout.halo) * stride + layout.centre_at;
         let chunk = plan.blocking.chunk;
@@ -304,13 +266,13 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             let few = first..rows.end.min(first + EDGE_ROWS);
             layers::strips::<V, S>(plan, shared, levels, weights, few);
         }
-        if forcing.quiet {
-            quiet::cells::<V>(plan, levels, rows.clone());
+        if forcing.flush {
+            flush_subnormals::cells::<V>(plan, levels, rows.clone());
         }
         walls::correct(&plan.walls, levels, &rows);
         walls::react(plan, shared, levels, &rows);
-        if forcing.quiet {
-            quiet::walls(plan, shared, levels, rows.clone());
+        if forcing.flush {
+            flush_subnormals::walls(plan, shared, levels, rows.clone());
         }
         walls::silence(&plan.walls, levels, &rows);
         let row = |iy: usize| {
@@ -327,7 +289,7 @@ unsafe fn advance_rows<V: Vector, S: Sweep<V> + Sweep<V::Narrow>>(
             halo::refresh::<V>(layout, row(iy).as_mut_ptr());
         }
         for iy in within(&forcing.receiver) {
-            let sum = transducers::hear(plan, row(iy), &forcing.receiver);
+            let sum = transducers::receive(plan, row(iy), &forcing.receiver);
             sums[iy - forcing.receiver.y0].store(sum.to_bits(), Ordering::Relaxed);
         }
     }

@@ -53,7 +53,8 @@ impl<V: Vector> Sweep<V> for Slf {
     }
 }
 
-/// The sweep over `ROWS` rows of the centre, held in registers together, so that most cells are loaded once; returns how many.
+/// The sweep over `ROWS` rows of the centre, held in registers together, so that most cells are loaded once; returns
+/// how many.
 ///
 /// # Safety
 /// As [`Sweep::rows`] for so many rows.

@@ -1,8 +1,8 @@
-//! Source and receiver in one row. Functions of their own: a step calls them for few of its rows, and the compiler would otherwise spread their checks over
-//! the sweeps' function, which has no register to spare.
+//! Source and receiver in one row. Functions of their own: a step calls them for few of its rows, and the compiler
+//! would otherwise spread their checks over the sweeps' function, which has no register to spare.
 
-use super::super::super::Injection;
-use super::super::Plan;
+use super::super::super::step::Injection;
+use super::super::plan::Plan;
 use crate::spread::Stencil;
 
 /// Adds to row `iy`, which is one of the stencil's, what the source sends into it. Solid cells take nothing.
@@ -19,9 +19,9 @@ pub(super) fn send(plan: &Plan, row: &mut [f32], iy: usize, injection: &Injectio
     }
 }
 
-/// What the receiver takes from one of the stencil's rows, weighted along x.
+/// The receiver's sum over one of the stencil's rows, weighted along x.
 #[inline(never)]
-pub(super) fn hear(plan: &Plan, row: &[f32], s: &Stencil) -> f64 {
+pub(super) fn receive(plan: &Plan, row: &[f32], s: &Stencil) -> f64 {
     let taps = (s.x0..).zip(&s.wx);
     taps.map(|(ix, &wx)| f64::from(wx) * f64::from(row[plan.layout.offset(ix)]))
         .sum()

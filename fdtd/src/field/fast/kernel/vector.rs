@@ -1,15 +1,13 @@
-//! Vectors of numbers: what the sweeps need of an instruction set.
-//! Loads and stores go through raw pointers; every function states what its caller promises.
+//! Vectors of numbers: the operations that the sweeps need of an instruction set. Loads and stores go through raw
+//! pointers; every function states what its caller promises.
 
-use super::super::super::stencil::Splat;
-use super::super::super::{QUIET_PA, quieten};
+use super::super::super::step::{FLUSH_BELOW_PA, flush_subnormals};
 use super::super::layout::{NARROW, WIDE};
-use super::sweep::Sweep;
 use crate::number::Number;
 
 /// A few numbers in registers.
 pub(super) trait Vector: Number {
-    /// How many.
+    /// Numbers in it.
     const LANES: usize;
     /// Whether registers are many: two rows of the 13-point stencil fit into them.
     const MANY: bool;
@@ -22,34 +20,17 @@ pub(super) trait Vector: Number {
     /// # Safety
     /// `at` must point to `LANES` writable numbers, and the instruction set be there.
     unsafe fn store(self, at: *mut f32);
-    /// Itself, with zero for what is below [`QUIET_PA`].
-    fn quiet(self) -> Self;
+    /// Itself, with zero for what is below [`FLUSH_BELOW_PA`].
+    fn flushed(self) -> Self;
     /// The first `count` numbers of `old`, then its own.
     fn after(self, old: Self, count: usize) -> Self;
     /// Every number moved one place up, `first` before them.
     fn moved_up(self, first: f32) -> Self;
     /// Every number moved one place down, `last` after them.
     fn moved_down(self, last: f32) -> Self;
-    /// Asks for the cache line at `at`, wherever that is, before it is used.
+    /// Prefetches the cache line at `at`, which may be any address.
     #[inline(always)]
     fn fetch(_at: *const f32) {}
-    /// [`Sweep::rows`], where registers are few as a function of its own. Inlined into the one large function of a tile's sweep, the compiler then
-    /// keeps hardly a pointer or a weight of the inner loop in a register, but loads them from the stack for every vector.
-    ///
-    /// # Safety
-    /// As [`Sweep::rows`].
-    #[inline(always)]
-    unsafe fn sweep<S: Sweep<Self>>(
-        weights: &Splat<Self>,
-        now: *const f32,
-        next: *mut f32,
-        stride: usize,
-        vectors: usize,
-        rows: usize,
-    ) {
-        // SAFETY: the caller's promise.
-        unsafe { S::rows(weights, now, next, stride, vectors, rows) }
-    }
 }
 
 /// Eight numbers as the target's default instructions hold them.
@@ -72,9 +53,9 @@ impl Vector for Plain {
         unsafe { at.cast::<[f32; NARROW]>().write_unaligned(self.0) }
     }
     #[inline(always)]
-    fn quiet(self) -> Self {
+    fn flushed(self) -> Self {
         let mut numbers = self.0;
-        quieten(&mut numbers);
+        flush_subnormals(&mut numbers);
         Self(numbers)
     }
     #[inline(always)]
@@ -128,6 +109,46 @@ impl Number for Plain {
     }
 }
 
+/// Arithmetic of a vector by the intrinsics of its instruction set.
+#[cfg(target_arch = "x86_64")]
+macro_rules! number {
+    ($vector:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $mul_add:ident, $mul_sub:ident) => {
+        // SAFETY of all below: a vector is only made where its instructions are enabled.
+        impl Number for $vector {
+            #[inline(always)]
+            fn splat(value: f32) -> Self {
+                // SAFETY: see above.
+                Self(unsafe { $splat(value) })
+            }
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                // SAFETY: see above.
+                Self(unsafe { $add(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                // SAFETY: see above.
+                Self(unsafe { $sub(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn mul(self, other: Self) -> Self {
+                // SAFETY: see above.
+                Self(unsafe { $mul(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                // SAFETY: see above.
+                Self(unsafe { $mul_add(self.0, factor.0, term.0) })
+            }
+            #[inline(always)]
+            fn mul_sub(self, factor: Self, term: Self) -> Self {
+                // SAFETY: see above.
+                Self(unsafe { $mul_sub(self.0, factor.0, term.0) })
+            }
+        }
+    };
+}
+
 /// Eight numbers in an AVX register. Only made inside functions compiled for AVX2 and FMA.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
@@ -137,7 +158,7 @@ pub(super) struct Avx(std::arch::x86_64::__m256);
 mod avx {
     use std::arch::x86_64::*;
 
-    use super::{Avx, NARROW, Number, QUIET_PA, Splat, Sweep, Vector};
+    use super::{Avx, FLUSH_BELOW_PA, NARROW, Number, Vector};
 
     impl Vector for Avx {
         const LANES: usize = NARROW;
@@ -155,11 +176,11 @@ mod avx {
             unsafe { _mm256_storeu_ps(at, self.0) }
         }
         #[inline(always)]
-        fn quiet(self) -> Self {
+        fn flushed(self) -> Self {
             // SAFETY: see below.
             unsafe {
                 let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0);
-                let kept = _mm256_cmp_ps::<_CMP_NLT_UQ>(size, _mm256_set1_ps(QUIET_PA));
+                let kept = _mm256_cmp_ps::<_CMP_NLT_UQ>(size, _mm256_set1_ps(FLUSH_BELOW_PA));
                 Self(_mm256_and_ps(self.0, kept))
             }
         }
@@ -187,33 +208,6 @@ mod avx {
             unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast()) }
         }
         #[inline(always)]
-        unsafe fn sweep<S: Sweep<Self>>(
-            weights: &Splat<Self>,
-            now: *const f32,
-            next: *mut f32,
-            stride: usize,
-            vectors: usize,
-            rows: usize,
-        ) {
-            #[inline(never)]
-            #[target_feature(enable = "avx2,fma")]
-            unsafe fn apart<S: Sweep<Avx>>(
-                weights: &Splat<Avx>,
-                now: *const f32,
-                next: *mut f32,
-                stride: usize,
-                vectors: usize,
-                rows: usize,
-            ) {
-                // A copy, which no store can change: the compiler would load the weights again after each.
-                let weights = *weights;
-                // SAFETY: the caller's promise.
-                unsafe { S::rows(&weights, now, next, stride, vectors, rows) }
-            }
-            // SAFETY: the caller's promise.
-            unsafe { apart::<S>(weights, now, next, stride, vectors, rows) }
-        }
-        #[inline(always)]
         fn moved_down(self, last: f32) -> Self {
             // SAFETY: see below.
             unsafe {
@@ -224,39 +218,15 @@ mod avx {
         }
     }
 
-    // SAFETY of all below: an `Avx` is only made where AVX2 and FMA are enabled.
-    impl Number for Avx {
-        #[inline(always)]
-        fn splat(value: f32) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_set1_ps(value) })
-        }
-        #[inline(always)]
-        fn add(self, other: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_add_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn sub(self, other: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_sub_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn mul(self, other: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_mul_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn mul_add(self, factor: Self, term: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_fmadd_ps(self.0, factor.0, term.0) })
-        }
-        #[inline(always)]
-        fn mul_sub(self, factor: Self, term: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, term.0) })
-        }
-    }
+    number!(
+        Avx,
+        _mm256_set1_ps,
+        _mm256_add_ps,
+        _mm256_sub_ps,
+        _mm256_mul_ps,
+        _mm256_fmadd_ps,
+        _mm256_fmsub_ps
+    );
 }
 
 /// Sixteen numbers in an AVX-512 register. Only made inside functions compiled for AVX-512.
@@ -268,7 +238,7 @@ pub(super) struct Avx512(std::arch::x86_64::__m512);
 mod avx512 {
     use std::arch::x86_64::*;
 
-    use super::{Avx512, Number, QUIET_PA, Vector, WIDE};
+    use super::{Avx512, FLUSH_BELOW_PA, Number, Vector, WIDE};
 
     impl Vector for Avx512 {
         const LANES: usize = WIDE;
@@ -286,11 +256,11 @@ mod avx512 {
             unsafe { _mm512_storeu_ps(at, self.0) }
         }
         #[inline(always)]
-        fn quiet(self) -> Self {
+        fn flushed(self) -> Self {
             // SAFETY: see below.
             unsafe {
                 let size = _mm512_abs_ps(self.0);
-                let kept = _mm512_cmp_ps_mask::<_CMP_NLT_UQ>(size, _mm512_set1_ps(QUIET_PA));
+                let kept = _mm512_cmp_ps_mask::<_CMP_NLT_UQ>(size, _mm512_set1_ps(FLUSH_BELOW_PA));
                 Self(_mm512_maskz_mov_ps(kept, self.0))
             }
         }
@@ -320,37 +290,13 @@ mod avx512 {
         }
     }
 
-    // SAFETY of all below: an `Avx512` is only made where AVX-512 is enabled.
-    impl Number for Avx512 {
-        #[inline(always)]
-        fn splat(value: f32) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm512_set1_ps(value) })
-        }
-        #[inline(always)]
-        fn add(self, other: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm512_add_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn sub(self, other: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm512_sub_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn mul(self, other: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm512_mul_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn mul_add(self, factor: Self, term: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm512_fmadd_ps(self.0, factor.0, term.0) })
-        }
-        #[inline(always)]
-        fn mul_sub(self, factor: Self, term: Self) -> Self {
-            // SAFETY: see above.
-            Self(unsafe { _mm512_fmsub_ps(self.0, factor.0, term.0) })
-        }
-    }
+    number!(
+        Avx512,
+        _mm512_set1_ps,
+        _mm512_add_ps,
+        _mm512_sub_ps,
+        _mm512_mul_ps,
+        _mm512_fmadd_ps,
+        _mm512_fmsub_ps
+    );
 }

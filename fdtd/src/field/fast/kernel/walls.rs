@@ -1,14 +1,14 @@
-//! What walls change in some rows after their plain step.
+//! Changes at walls in some rows after their plain step.
 
 use std::ops::Range;
 
-use super::super::Plan;
+use super::super::plan::Plan;
 use super::super::walls::{Corrections, RowSurface, Walls};
-use super::{Levels, Shared};
+use super::shared::{Levels, Shared};
 use crate::boundary::Reaction;
 
-/// Corrects the cells of some rows whose stencils meet walls. The numbers of entries named here are those of flat walls of whole
-/// cells and their ends.
+/// Corrects the cells of some rows whose stencils meet walls. The numbers of entries named here are those of flat walls
+/// of whole cells and their ends.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
@@ -72,7 +72,7 @@ pub(super) unsafe fn silence(walls: &Walls, levels: Levels, rows: &Range<usize>)
     }
 }
 
-/// Lets the surfaces of some rows yield.
+/// Advances the surfaces of some rows and subtracts their flow from the cells.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
@@ -85,7 +85,7 @@ pub(super) unsafe fn react(plan: &Plan, shared: Shared, levels: Levels, rows: &R
     }
 }
 
-/// Lets the surfaces of a row, which begins at `now` and `next`, yield.
+/// Advances the surfaces of a row, which begins at `now` and `next`.
 ///
 /// # Safety
 /// As [`super::run_tile`], for this row.

@@ -1,11 +1,12 @@
 //! Where the faces of walls end: at free ends, at mitred joints, and inside other walls.
 //!
-//! Where two segments share an end, their faces are cut or prolonged to meet at the mitre, so that a closed corner has its apex where the
-//! wall's surface has it and not where the centre lines meet. Where walls overlap otherwise (two walls drawn into each other, a wall that
-//! ends in the middle of another), what lies inside the other wall is cut out.
+//! Where two segments share an end, their faces are cut or prolonged to meet at the mitre, so that a closed corner has
+//! its apex where the wall's surface has it and not where the centre lines meet. Where walls overlap otherwise (two
+//! walls drawn into each other, a wall that ends in the middle of another), what lies inside the other wall is cut out.
 
+use super::face::Face;
 use super::plane::{Vec2, add, cross, dot, left_of, length, scale, sub};
-use super::reflectors::{Face, Segment};
+use super::wall_segment::WallSegment;
 
 /// Two ends closer than this are one joint, in metres, unless the walls are thicker: then half the thickness.
 const JOINT_TOLERANCE_M: f64 = 1e-6;
@@ -14,7 +15,7 @@ const JOINT_TOLERANCE_M: f64 = 1e-6;
 const SHORTEST_M: f64 = 1e-6;
 
 /// All faces of a set of segments.
-pub(super) fn faces_of(segments: &[Segment]) -> Vec<Face> {
+pub(super) fn faces_of(segments: &[WallSegment]) -> Vec<Face> {
     (0..segments.len())
         .flat_map(|index| [1.0, -1.0].map(|side| mitred(segments, index, side)))
         .flat_map(|face| visible_pieces(segments, face))
@@ -22,7 +23,7 @@ pub(super) fn faces_of(segments: &[Segment]) -> Vec<Face> {
 }
 
 /// The face on one side (+1 left of the centre line's direction, -1 right) between its joints.
-fn mitred(segments: &[Segment], index: usize, side: f64) -> Face {
+fn mitred(segments: &[WallSegment], index: usize, side: f64) -> Face {
     let segment = &segments[index];
     let [a, b] = segment.ends_m;
     let extent = sub(b, a);
@@ -43,8 +44,8 @@ fn mitred(segments: &[Segment], index: usize, side: f64) -> Face {
     }
 }
 
-/// What is left of a face when the parts inside other walls are taken away.
-fn visible_pieces(segments: &[Segment], face: Face) -> Vec<Face> {
+/// The parts of a face that are not inside other walls.
+fn visible_pieces(segments: &[WallSegment], face: Face) -> Vec<Face> {
     let mut pieces = vec![[0.0, face.length_m]];
     for (index, other) in segments.iter().enumerate() {
         let Some([from, to]) = inside(&face, other).filter(|_| index != face.segment) else {
@@ -67,7 +68,7 @@ fn visible_pieces(segments: &[Segment], face: Face) -> Vec<Face> {
 }
 
 /// Interval of a face's line, in metres from its start, that lies in the rectangle of a wall.
-fn inside(face: &Face, wall: &Segment) -> Option<[f64; 2]> {
+fn inside(face: &Face, wall: &WallSegment) -> Option<[f64; 2]> {
     let extent = sub(wall.ends_m[1], wall.ends_m[0]);
     let full_m = length(extent);
     let axis = scale(extent, 1.0 / full_m);
@@ -103,13 +104,13 @@ fn inside(face: &Face, wall: &Segment) -> Option<[f64; 2]> {
     (interval[0] < interval[1]).then_some(interval)
 }
 
-fn joint_tolerance_m(one: &Segment, other: &Segment) -> f64 {
+fn joint_tolerance_m(one: &WallSegment, other: &WallSegment) -> f64 {
     JOINT_TOLERANCE_M.max(0.5 * one.thickness_m.min(other.thickness_m))
 }
 
-/// How much of a face the joint at `joint_m` takes away (or adds, negative), in metres. `away` is the unit vector from the joint along
-/// the segment.
-fn mitre_m(segments: &[Segment], index: usize, joint_m: Vec2, away: Vec2, normal: Vec2) -> f64 {
+/// How much of a face the joint at `joint_m` takes away (or adds, negative), in metres. `away` is the unit vector from
+/// the joint along the segment.
+fn mitre_m(segments: &[WallSegment], index: usize, joint_m: Vec2, away: Vec2, normal: Vec2) -> f64 {
     let own = &segments[index];
     // Turning from this segment towards the face's side, the first other segment met bounds the same free sector.
     let neighbour = segments

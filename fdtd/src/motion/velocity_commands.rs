@@ -1,11 +1,12 @@
-//! A drive of commanded legs with limited accelerations: speeds are piecewise linear in time, the heading piecewise quadratic.
+//! A drive of velocity commands with limited accelerations: speeds are piecewise linear in time, the heading piecewise
+//! quadratic.
 
-use super::{MAX_DURATION_S, MAX_SPEED_MPS, MAX_TURN_RADPS, MotionState};
+use super::state::{MAX_DURATION_S, MAX_SPEED_MPS, MAX_TURN_RADPS, MotionState};
 use crate::error::Error;
 
 /// One command: drive at this speed and turn rate for this long.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Leg {
+pub struct VelocityCommand {
     /// Duration in seconds, including the time to reach the commanded speeds.
     pub duration_s: f64,
     /// Commanded speed along the heading in m/s.
@@ -37,7 +38,7 @@ const NODE_S: f64 = 2e-3;
 
 /// A stretch of time over which both accelerations are constant.
 #[derive(Debug, Clone)]
-struct Piece {
+struct Stretch {
     start_s: f64,
     v_mps: f64,
     acceleration_mps2: f64,
@@ -49,41 +50,46 @@ struct Piece {
     nodes_m: Vec<[f64; 2]>,
 }
 
-/// A drive made of pieces in the order of time.
+/// A drive made of stretches in the order of time.
 #[derive(Debug, Clone)]
-pub(super) struct LegCourse {
-    pieces: Vec<Piece>,
+pub(super) struct CommandedCourse {
+    stretches: Vec<Stretch>,
     duration_s: f64,
 }
 
-impl LegCourse {
+impl CommandedCourse {
     /// Checks the numbers and integrates the drive once.
     pub(super) fn new(
         start: MotionState,
-        legs: &[Leg],
+        commands: &[VelocityCommand],
         limits: DriveLimits,
     ) -> Result<Self, Error> {
-        check(&start, legs, &limits)?;
-        let mut pieces = Vec::new();
+        check(&start, commands, &limits)?;
+        let mut stretches = Vec::new();
         let mut now = start;
-        let mut leg_start_s = 0.0;
-        for leg in legs {
-            let to_v = Ramp::new(now.v_mps, leg.v_mps, limits.acceleration_mps2);
+        let mut command_start_s = 0.0;
+        for command in commands {
+            let to_v = Ramp::new(now.v_mps, command.v_mps, limits.acceleration_mps2);
             let to_omega = Ramp::new(
                 now.omega_radps,
-                leg.omega_radps,
+                command.omega_radps,
                 limits.angular_acceleration_radps2,
             );
-            let mut breaks_s = [0.0, to_v.duration_s, to_omega.duration_s, leg.duration_s]
-                .map(|t| t.min(leg.duration_s));
+            let mut breaks_s = [
+                0.0,
+                to_v.duration_s,
+                to_omega.duration_s,
+                command.duration_s,
+            ]
+            .map(|t| t.min(command.duration_s));
             breaks_s.sort_by(f64::total_cmp);
             for pair in breaks_s.windows(2) {
                 let length_s = pair[1] - pair[0];
                 if length_s <= 0.0 {
                     continue;
                 }
-                let mut piece = Piece {
-                    start_s: leg_start_s + pair[0],
+                let mut stretch = Stretch {
+                    start_s: command_start_s + pair[0],
                     v_mps: to_v.value(pair[0]),
                     acceleration_mps2: to_v.rate_after(pair[0]),
                     omega_radps: to_omega.value(pair[0]),
@@ -92,17 +98,17 @@ impl LegCourse {
                     node_s: 0.0,
                     nodes_m: Vec::new(),
                 };
-                piece.integrate([now.x_m, now.y_m], length_s);
-                now = piece.state(length_s);
-                pieces.push(piece);
+                stretch.integrate([now.x_m, now.y_m], length_s);
+                now = stretch.state(length_s);
+                stretches.push(stretch);
             }
-            now.v_mps = to_v.value(leg.duration_s);
-            now.omega_radps = to_omega.value(leg.duration_s);
-            leg_start_s += leg.duration_s;
+            now.v_mps = to_v.value(command.duration_s);
+            now.omega_radps = to_omega.value(command.duration_s);
+            command_start_s += command.duration_s;
         }
         Ok(Self {
-            pieces,
-            duration_s: leg_start_s,
+            stretches,
+            duration_s: command_start_s,
         })
     }
 
@@ -111,17 +117,19 @@ impl LegCourse {
     }
 
     pub(super) fn state_at(&self, t_s: f64) -> MotionState {
-        let after = self.pieces.partition_point(|piece| piece.start_s <= t_s);
-        let piece = &self.pieces[after.saturating_sub(1)];
-        piece.state(t_s - piece.start_s)
+        let after = self
+            .stretches
+            .partition_point(|stretch| stretch.start_s <= t_s);
+        let stretch = &self.stretches[after.saturating_sub(1)];
+        stretch.state(t_s - stretch.start_s)
     }
 
     pub(super) fn max_speed_mps(&self, radius_m: f64) -> f64 {
-        // Speeds are linear within a piece, so their extremes are at its ends.
+        // Speeds are linear within a stretch, so their extremes are at its ends.
         let ends = self
-            .pieces
+            .stretches
             .iter()
-            .map(|piece| piece.start_s)
+            .map(|stretch| stretch.start_s)
             .chain([self.duration_s]);
         ends.map(|t_s| {
             let state = self.state_at(t_s);
@@ -131,7 +139,7 @@ impl LegCourse {
     }
 }
 
-impl Piece {
+impl Stretch {
     /// Fills the table of positions.
     fn integrate(&mut self, start_m: [f64; 2], length_s: f64) {
         let count = (length_s / NODE_S).ceil().max(1.0);
@@ -145,7 +153,7 @@ impl Piece {
         }
     }
 
-    /// State at `t_s` after the piece's start.
+    /// State at `t_s` after the stretch's start.
     fn state(&self, t_s: f64) -> MotionState {
         let node = ((t_s / self.node_s).floor().max(0.0) as usize).min(self.nodes_m.len() - 1);
         let node_t_s = node as f64 * self.node_s;
@@ -219,7 +227,11 @@ impl Ramp {
 }
 
 /// Refuses what cannot be driven.
-fn check(start: &MotionState, legs: &[Leg], limits: &DriveLimits) -> Result<(), Error> {
+fn check(
+    start: &MotionState,
+    commands: &[VelocityCommand],
+    limits: &DriveLimits,
+) -> Result<(), Error> {
     let within = |field: String, value: f64, low: f64, high: f64, unit: &str| {
         if value.is_finite() && (low..=high).contains(&value) {
             return Ok(());
@@ -269,7 +281,7 @@ fn check(start: &MotionState, legs: &[Leg], limits: &DriveLimits) -> Result<(), 
         1e6,
         "rad/s^2",
     )?;
-    if legs.is_empty() {
+    if commands.is_empty() {
         return Err(Error::invalid(
             "path",
             "legs",
@@ -277,30 +289,30 @@ fn check(start: &MotionState, legs: &[Leg], limits: &DriveLimits) -> Result<(), 
             "give at least one {duration_s, v_mps, omega_radps}",
         ));
     }
-    for (index, leg) in legs.iter().enumerate() {
+    for (index, command) in commands.iter().enumerate() {
         within(
             format!("legs[{index}].duration_s"),
-            leg.duration_s,
+            command.duration_s,
             1e-6,
             MAX_DURATION_S,
             "s",
         )?;
         within(
             format!("legs[{index}].v_mps"),
-            leg.v_mps,
+            command.v_mps,
             -MAX_SPEED_MPS,
             MAX_SPEED_MPS,
             "m/s",
         )?;
         within(
             format!("legs[{index}].omega_radps"),
-            leg.omega_radps,
+            command.omega_radps,
             -MAX_TURN_RADPS,
             MAX_TURN_RADPS,
             "rad/s",
         )?;
     }
-    let total_s: f64 = legs.iter().map(|leg| leg.duration_s).sum();
+    let total_s: f64 = commands.iter().map(|command| command.duration_s).sum();
     if total_s > MAX_DURATION_S {
         return Err(Error::invalid(
             "path",

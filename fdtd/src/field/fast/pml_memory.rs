@@ -1,13 +1,14 @@
-//! Where the layers' recursions keep what they remember.
+//! Memory of the absorbing layers' recursions.
 //!
-//! A face between two cells of a layer is the upper face of one and the lower face of the other. Its memory is kept once: every cell
-//! keeps its own and that of its outer face, two numbers instead of three. The innermost face of a layer does not decay and
-//! remembers zero. Checkpoints hold both copies.
+//! A face between two cells of a layer is the upper face of one and the lower face of the other. Its memory is kept
+//! once: every cell keeps its own and that of its outer face, two numbers instead of three. The innermost face of a
+//! layer does not decay and remembers zero. Checkpoints hold both copies.
 
-use super::LINE;
 use super::layout::RowLayout;
+use super::line::LINE;
 
-/// Memory of the layers along x, row by row: cells and lower faces of the low side, zeros, upper faces and cells of the high side.
+/// Memory of the layers along x, row by row: cells and lower faces of the low side, zeros, upper faces and cells of the
+/// high side.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MemoryX {
     width: usize,
@@ -24,7 +25,8 @@ impl MemoryX {
         4 * self.width + LINE
     }
 
-    /// Offsets in a row of the first face and the first cell of side 0 (low) or 1 (high). Beyond the innermost face lies a zero.
+    /// Offsets in a row of the first face and the first cell of side 0 (low) or 1 (high). Beyond the innermost face
+    /// lies a zero.
     #[inline(always)]
     pub(super) fn at(self, side: usize) -> [usize; 2] {
         let high = 2 * self.width + LINE;
@@ -60,8 +62,8 @@ impl MemoryX {
     }
 }
 
-/// Memory of the layers along y: for every row of a layer its outer face and its cells, in the order of the rows of the field. Between
-/// the sides lies a row of zeros.
+/// Memory of the layers along y: for every row of a layer its outer face and its cells, in the order of the rows of the
+/// field. Between the sides lies a row of zeros.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MemoryY {
     cells: usize,
@@ -79,8 +81,8 @@ impl MemoryY {
         (2 * self.cells + 1) * 2 * self.stride
     }
 
-    /// Offset of the outer face of row `row` of the layers, low side first; its cells follow a field's row later, the next
-    /// row's face two later.
+    /// Offset of the outer face of row `row` of the layers, low side first; its cells follow a field's row later, the
+    /// next row's face two later.
     #[inline(always)]
     pub(super) fn face(self, row: usize) -> usize {
         (row + usize::from(self.is_high(row))) * 2 * self.stride

@@ -1,13 +1,13 @@
-//! Small numbers set to zero in quiet steps, see [`crate::field`].
+//! Small numbers set to zero in flushing steps, see [`crate::field`].
 
 use std::ops::Range;
 
-use super::super::super::{layer_row, quieten};
-use super::super::Plan;
+use super::super::super::step::{flush_subnormals, layer_row};
+use super::super::plan::Plan;
+use super::shared::{Levels, Shared};
 use super::vector::Vector;
-use super::{Levels, Shared};
 
-/// What a quiet step does to the memory of the layers in some rows before it is used.
+/// Flushes the memory of the layers in some rows, before it is used.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
@@ -17,7 +17,8 @@ pub(super) unsafe fn memory<V: Vector>(plan: &Plan, shared: Shared, rows: Range<
     // SAFETY: parts of the buffers, and of rows of this thread.
     unsafe { part::<V>(shared.layer_x.wrapping_add(rows.start * x), rows.len() * x) };
     let (cells, ny) = (plan.setup.layer.cells(), plan.setup.ny);
-    // On the low side a row reads the memory of the next row's face too, which is as old as its own; a second time changes nothing.
+    // On the low side a row reads the memory of the next row's face too, which is as old as its own; a second time
+    // changes nothing.
     for iy in rows.start..(rows.end + 1).min(ny) {
         if let Some(row) = layer_row(cells, ny, iy)
             && (iy < rows.end || !plan.memory_y.is_high(row))
@@ -29,7 +30,7 @@ pub(super) unsafe fn memory<V: Vector>(plan: &Plan, shared: Shared, rows: Range<
     }
 }
 
-/// What a quiet step does to the cells of some rows after their plain step.
+/// Flushes the cells of some rows after their plain step.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
@@ -41,8 +42,8 @@ pub(super) unsafe fn cells<V: Vector>(plan: &Plan, levels: Levels, rows: Range<u
     unsafe { part::<V>(levels.next.add(first), rows.len() * stride) };
 }
 
-/// Sets what is small among `count` numbers to zero, vector by vector: left to itself the compiler stores those numbers of a vector that
-/// change, which costs some processors (Zen 3, without AVX-512) as much as one to three steps.
+/// Sets what is small among `count` numbers to zero, vector by vector: left to itself the compiler stores those numbers
+/// of a vector that change, which is slow on processors without AVX-512.
 ///
 /// # Safety
 /// They must be writable.
@@ -52,20 +53,21 @@ unsafe fn part<V: Vector>(at: *mut f32, count: usize) {
     // SAFETY: the caller's promise.
     unsafe {
         for i in (0..whole).step_by(V::LANES) {
-            V::load(at.add(i)).quiet().store(at.add(i));
+            V::load(at.add(i)).flushed().store(at.add(i));
         }
-        quieten(std::slice::from_raw_parts_mut(at.add(whole), count - whole));
+        flush_subnormals(std::slice::from_raw_parts_mut(at.add(whole), count - whole));
     }
 }
 
-/// What a quiet step does to the cells of some rows that walls have changed, and to the memory of their surfaces.
+/// Flushes the cells of some rows that walls have changed, and the memory of their surfaces.
 ///
 /// # Safety
 /// As [`super::run_tile`], for these rows.
 pub(super) unsafe fn walls(plan: &Plan, shared: Shared, levels: Levels, rows: Range<usize>) {
     // SAFETY: cells of rows of this thread, and memory of their surfaces, which belongs to who writes the row.
-    let few =
-        |at: *mut f32, count: usize| quieten(unsafe { std::slice::from_raw_parts_mut(at, count) });
+    let few = |at: *mut f32, count: usize| {
+        flush_subnormals(unsafe { std::slice::from_raw_parts_mut(at, count) })
+    };
     for corrections in &plan.walls.corrections {
         for &at in corrections.of(&rows).0 {
             few(levels.next.wrapping_add(at as usize), 1);

@@ -1,12 +1,12 @@
-//! A piece of surface with the weights of the cells before it.
+//! A surface element with the weights of the cells before it.
 
 use std::collections::BTreeMap;
 
 /// Weights of cells by column and row.
 pub(super) type Reach = BTreeMap<[usize; 2], f64>;
 
-/// A piece of surface.
-pub(super) struct Piece {
+/// A surface element.
+pub(super) struct SurfaceElement {
     /// Column and row of the cell in which it lies.
     pub(super) cell: [usize; 2],
     /// Length in cell widths.

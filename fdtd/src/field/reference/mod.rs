@@ -1,18 +1,17 @@
-//! The plain engine: one sweep over the rows per step, nothing rearranged; in `f32`, and in `f64` with the same weights.
+//! The plain engine: one sweep over the rows per step, nothing rearranged; in `f32`, and in `f64` with the same
+//! weights.
 
 mod rows;
 
-use self::rows::{absorb, d25_row, layered_row, m13_row, slf_row};
+use self::rows::{RIM, absorb, d25_row, layered_row, m13_row, slf_row};
+use super::setup::FieldSetup;
 use super::stencil::Splat;
-use super::{Field, FieldSetup, FieldState, StepForcing, combine_rows, layer_row, quieten};
+use super::step::{Field, FieldState, StepForcing, combine_rows, flush_subnormals, layer_row};
 use crate::boundary::Reaction;
 use crate::number::Real;
 use crate::pml::Profile;
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
-
-/// Cells of zero pressure around the grid, as many as the widest stencil reaches.
-const RIM: usize = 3;
 
 /// Square root of the restoring quantum: radians a step of what it makes swing.
 const SWING: f64 = 3.452_669_830_012_439e-4;
@@ -28,7 +27,7 @@ struct PlainField<N> {
     layer_x: Vec<N>,
     layer_y: Vec<N>,
     surfaces: Vec<N>,
-    /// What the layers take the second difference of, for the cells of three rows or of one with its neighbours.
+    /// Quantity whose second difference the layers take, for the cells of three rows or of one with its neighbours.
     layered: [Vec<N>; 3],
 }
 
@@ -53,26 +52,25 @@ impl<N: Real> PlainField<N> {
         self.setup.nx + 2 * RIM
     }
 
-    /// Takes one step, a quiet one or not, and leaves the new pressure in `now`.
-    fn step(&mut self, quiet: bool) {
+    /// Takes one step, a flushing one or not, and leaves the new pressure in `now`.
+    fn step(&mut self, flush: bool) {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
         {
-            // Without the hint the closure stays a function of its own, compiled without fused multiply-adds: twenty times
-            // slower.
+            // Without the hint the closure stays a function of its own, compiled without fused multiply-adds.
             super::fast::with_avx2(
                 #[inline(always)]
-                || self.rows(quiet),
+                || self.rows(flush),
             );
             std::mem::swap(&mut self.now, &mut self.other);
             return;
         }
-        self.rows(quiet);
+        self.rows(flush);
         std::mem::swap(&mut self.now, &mut self.other);
     }
 
     #[inline(always)]
-    fn rows(&mut self, quiet: bool) {
+    fn rows(&mut self, flush: bool) {
         let (nx, ny, stride) = (self.setup.nx, self.setup.ny, self.stride());
         let (cells, width) = (self.setup.layer.cells(), self.setup.layer.width());
         for iy in 0..ny {
@@ -112,8 +110,8 @@ impl<N: Real> PlainField<N> {
                     layered_row(scheme, &weights, at, layered);
                 }
                 let memory = &mut self.layer_y[at * 3 * nx..(at + 1) * 3 * nx];
-                if quiet {
-                    quieten(memory);
+                if flush {
+                    flush_subnormals(memory);
                 }
                 let [lower, here, upper] = &self.layered;
                 let decay = |_| decay;
@@ -121,8 +119,8 @@ impl<N: Real> PlainField<N> {
             }
             let sides = [(&self.setup.layer, 0), (&self.high, nx - width)];
             let memory = &mut self.layer_x[iy * 6 * width..(iy + 1) * 6 * width];
-            if quiet {
-                quieten(memory);
+            if flush {
+                flush_subnormals(memory);
             }
             let memory = memory.chunks_exact_mut(3 * width.max(1));
             for ((profile, first), memory) in sides.into_iter().zip(memory) {
@@ -144,8 +142,8 @@ impl<N: Real> PlainField<N> {
                     &mut next[first..first + width],
                 );
             }
-            if quiet {
-                quieten(next);
+            if flush {
+                flush_subnormals(next);
             }
             for correction in &self.setup.walls.corrections[iy] {
                 let mut sum = N::default();
@@ -172,15 +170,15 @@ impl<N: Real> PlainField<N> {
                     next[ix] = N::splat(gain).mul_add(change, next[ix]);
                 }
             }
-            if quiet {
+            if flush {
                 for correction in &self.setup.walls.corrections[iy] {
-                    quieten(&mut next[correction.ix..=correction.ix]);
+                    flush_subnormals(&mut next[correction.ix..=correction.ix]);
                 }
                 for surface in self.setup.surfaces.of_row(iy) {
                     let own = surface.memory..surface.memory + surface.memory_count();
-                    quieten(&mut self.surfaces[own]);
+                    flush_subnormals(&mut self.surfaces[own]);
                     for &(ix, _) in &surface.gains {
-                        quieten(&mut next[ix..=ix]);
+                        flush_subnormals(&mut next[ix..=ix]);
                     }
                 }
             }
@@ -220,8 +218,8 @@ impl ReferenceField {
     }
 }
 
-/// The plain engine in `f64` with the weights as they are in `f32`: the discrete operator without the roundings of a step. Its growth or
-/// decay over silence tells the spectrum of what both engines take.
+/// The plain engine in `f64` with the weights as they are in `f32`: the discrete operator without the roundings of a
+/// step. Its growth or decay over silence shows the spectrum of the step of both engines.
 #[derive(Debug, Clone)]
 pub struct PreciseField(PlainField<f64>);
 
@@ -237,8 +235,9 @@ impl PreciseField {
         self.0.silence_walls();
     }
 
-    /// All that the field remembers, as one vector: pressure `[iy, ix]`, its change over the last step in units of `sqrt(2^-23)`, the memory of
-    /// the layers along x and y, and that of the surfaces. In these units what the restoring quantum alone makes swing keeps its length.
+    /// All that the field remembers, as one vector: pressure `[iy, ix]`, its change over the last step in units of
+    /// `sqrt(2^-23)`, the memory of the layers along x and y, and that of the surfaces. In these units what the
+    /// restoring quantum alone makes swing keeps its length.
     pub fn vector(&self) -> Vec<f64> {
         let field = &self.0;
         let (now, past) = (field.plain(&field.now), field.plain(&field.other));
@@ -253,7 +252,8 @@ impl PreciseField {
         vector
     }
 
-    /// Takes over what [`PreciseField::vector`] gave, or a sum of such vectors; of another one, zero in solid cells, what a step can have left.
+    /// Takes over what [`PreciseField::vector`] gave, or a sum of such vectors; of another one, zero in solid cells,
+    /// what a step can have left.
     ///
     /// # Panics
     /// When the length is another.
@@ -291,7 +291,7 @@ impl Field for ReferenceField {
         let field = &mut self.0;
         let stride = field.stride();
         for forcing in steps {
-            field.step(forcing.quiet);
+            field.step(forcing.flush);
             for injection in &forcing.injections {
                 let s = &injection.stencil;
                 for (j, wy) in s.wy.iter().enumerate() {

@@ -80,10 +80,11 @@ impl Monopole<'_> {
         sum / (2.0 * PI)
     }
 
-    /// Pressure in Pa at a fixed point: `rho` times the time derivative of the potential, by the six-point central difference.
+    /// Pressure in Pa at a fixed point: `rho` times the time derivative of the potential, by the six-point central
+    /// difference.
     ///
-    /// A moving microphone at `x_r(t)` hears the pressure where it is, `pressure(x_r(t), t)`, which is the same as `rho (d/dt - v_r . grad) phi`
-    /// along its path.
+    /// A moving microphone at `x_r(t)` receives the pressure where it is, `pressure(x_r(t), t)`, which is the same as
+    /// `rho (d/dt - v_r . grad) phi` along its path.
     pub fn pressure(&self, x_m: [f64; 2], t_s: f64) -> f64 {
         let step_s = self.finest_s / 60.0;
         let rise = |steps: f64| {

@@ -1,18 +1,21 @@
-//! A free-field drive in pieces of time sounds like the same drive in one domain.
+//! A free-field drive in segments of time sounds like the same drive in one domain.
 //!
 //! Layout: 1.2 m x 1 m without walls; a robot at 0.9 m/s on a curve for 0.3 s with the microphone at the loudspeaker or
 //! 0.1 m ahead of it; a code on a carrier of 10 kHz, up to 14 kHz; schemes slf and o13, kaiser12.
-//! Formula: without walls nothing comes back, so that a domain around where the drive is now gives what one around the whole drive does.
-//! Bias: the layers, which are nearer in a piece (-90 dB; slf with the microphone apart -80 dB). Rounding errors of both runs wander at a
-//! few hertz, far below the band, -65 dB and less of the direct wave.
-//! Tolerance: the difference less its mean over 1 ms around it, in every 2.5 ms, below -70 dB of the direct wave's rms; all of the
-//! difference below -60 dB. Threads, engine and interruptions: none, bit for bit.
+//! Formula: without walls nothing comes back, so that a domain around where the drive is now gives what one around the
+//! whole drive does.
+//! Bias: the layers, which are nearer in a segment (-90 dB; slf with the microphone apart -80 dB). Rounding errors of
+//! both runs wander at a few hertz, far below the band, -65 dB and less of the direct wave.
+//! Tolerance: the difference less its mean over 1 ms around it, in every 2.5 ms, below -70 dB of the direct wave's rms;
+//! all of the difference below -60 dB. Threads, engine and interruptions: none, bit for bit.
 
 use std::collections::BTreeMap;
 
-use crate::rig::{Setting, assert_foreign, code_on_carrier, decibels, handed_over, heard, run_to};
+use crate::rig::{
+    Setting, assert_foreign, code_on_carrier, decibels, engine, handed_over, heard, run_to,
+};
 use fdtd::grid::Grid;
-use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState};
+use fdtd::motion::{DriveLimits, DrivePath, MotionState, VelocityCommand};
 use fdtd::scene::{Robot, Scene};
 use fdtd::scheme::Scheme;
 use fdtd::simulation::{Flow, Simulation, SimulationOptions};
@@ -22,7 +25,7 @@ use oracles::laws::corner;
 const DURATION_S: f64 = 0.3;
 const BAND_HZ: [f64; 2] = [0.0, 14e3];
 
-/// What a scheme's runs draw.
+/// Setting of a scheme's runs.
 fn setting(scheme: Scheme) -> Setting {
     Setting::drawn("free field in pieces", scheme.name())
 }
@@ -38,12 +41,13 @@ fn scene(scheme: Scheme, apart_m: f64, duration_s: f64) -> Scene {
         v_mps: conditions.mps(0.9),
         omega_radps: conditions.hz(1.0),
     };
-    let leg = Leg {
+    let leg = VelocityCommand {
         duration_s: conditions.s(duration_s),
         v_mps: conditions.mps(0.9),
         omega_radps: conditions.hz(1.0),
     };
-    let path = DrivePath::from_legs(start, &[leg], DriveLimits::default()).expect("a valid drive");
+    let path =
+        DrivePath::from_commands(start, &[leg], DriveLimits::default()).expect("a valid drive");
     Scene {
         grid: Grid {
             nx: 243,
@@ -83,19 +87,19 @@ fn rms(signal: &[f64]) -> f64 {
 }
 
 #[test]
-fn pieces_sound_like_the_whole() {
+fn segments_sound_like_the_whole() {
     for scheme in [Scheme::Slf, Scheme::O13] {
         for apart_m in [0.0, 0.1] {
             let scene = scene(scheme, apart_m, DURATION_S);
-            let (pieces, whole) = (
+            let (segments, whole) = (
                 simulation(&scene, SimulationOptions::default()),
                 simulation(&scene, undivided()),
             );
             assert!(
-                pieces.steps_total() > whole.steps_total() && pieces.cells() < whole.cells(),
-                "{scheme}: one piece"
+                segments.steps_total() > whole.steps_total() && segments.cells() < whole.cells(),
+                "{scheme}: one segment"
             );
-            let (joined, whole) = (heard(pieces), heard(whole));
+            let (joined, whole) = (heard(segments), heard(whole));
             assert_eq!(joined.len(), whole.len());
             let direct = rms(&whole.iter().map(|&p| f64::from(p)).collect::<Vec<_>>());
             let difference: Vec<f64> = joined
@@ -114,7 +118,8 @@ fn pieces_sound_like_the_whole() {
                 .map(|part| decibels(rms(part) / direct))
                 .fold(f64::NEG_INFINITY, f64::max);
             println!(
-                "free field in pieces, {scheme}, microphone {apart_m} m apart: {all_db:.1} dB in all, at most {worst_db:.1} dB above 1 kHz"
+                "free field in segments, {scheme}, microphone {apart_m} m apart: {all_db:.1} dB in all, \
+                 at most {worst_db:.1} dB above 1 kHz"
             );
             assert!(all_db < -60.0, "{scheme}, {apart_m} m: {all_db} dB");
             assert!(worst_db < -70.0, "{scheme}, {apart_m} m: {worst_db} dB");
@@ -125,30 +130,21 @@ fn pieces_sound_like_the_whole() {
 #[test]
 fn a_short_drive_is_one_piece() {
     let scene = scene(Scheme::O13, 0.1, 0.02);
-    let pieces = simulation(&scene, SimulationOptions::default());
+    let segments = simulation(&scene, SimulationOptions::default());
     let whole = simulation(&scene, undivided());
-    assert_eq!(pieces.steps_total(), whole.steps_total());
-    assert!(heard(pieces) == heard(whole));
+    assert_eq!(segments.steps_total(), whole.steps_total());
+    assert!(heard(segments) == heard(whole));
 }
 
 #[test]
 fn threads_engine_and_interruptions_do_not_matter() {
     let scene = scene(Scheme::O13, 0.1, 0.2);
-    let with = |threads, reference_engine| {
-        simulation(
-            &scene,
-            SimulationOptions {
-                threads,
-                reference_engine,
-                ..SimulationOptions::default()
-            },
-        )
-    };
+    let with = |threads, reference_engine| simulation(&scene, engine(threads, reference_engine));
     let alone = heard(with(1, false));
     assert!(alone == heard(with(3, false)), "threads");
     assert!(alone == heard(with(1, true)), "reference engine");
 
-    // At the end of a piece, in a warm-up, while one fades in, and a little later.
+    // At the end of a segment, in a warm-up, while one fades in, and a little later.
     let mut ends = Vec::new();
     let mut last_s = 0.0;
     with(1, false)
@@ -161,7 +157,7 @@ fn threads_engine_and_interruptions_do_not_matter() {
             Flow::Continue
         })
         .expect("a finite field");
-    assert_eq!(ends.len(), 5, "there is a second piece");
+    assert_eq!(ends.len(), 5, "there is a second segment");
     for end in ends {
         let mut first = with(1, false);
         run_to(&mut first, end);

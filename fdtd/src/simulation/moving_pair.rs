@@ -1,5 +1,5 @@
-//! The direct method: a moving source spread onto the grid, a moving receiver interpolated from it (Tsuchiya and Kanamori
-//! 2021; Tsuchiya, Teshima and Hiryu 2022).
+//! The direct method: a moving source spread onto the grid, a moving receiver interpolated from it (Tsuchiya and
+//! Kanamori 2021; Tsuchiya, Teshima and Hiryu 2022).
 //!
 //! The source of strength `q` (m^2/s) adds `rho c^2 dt / (2 dx^2) [(w q)^{n+1} - (w q)^{n-1}]` to the pressure at step
 //! `n + 1`, with `w` the spreading weights at the place where the source is at each of the two times. The difference
@@ -8,9 +8,9 @@
 
 use std::f64::consts::PI;
 
-use super::Domain;
-use super::pieces::Piece;
-use crate::field::{Injection, StepForcing, is_quiet};
+use super::domain::Domain;
+use super::segments::Segment;
+use crate::field::{Injection, StepForcing, flushes_subnormals};
 use crate::scheme::Scheme;
 use crate::spread::{Spread, Stencil};
 
@@ -20,11 +20,11 @@ pub const SOURCE_STRENGTH_M2PS: f64 = 1e-3;
 /// A function of time in seconds.
 type OfTime<T> = Box<dyn Fn(f64) -> T + Send + Sync>;
 
-/// A moving source, a moving receiver and what the source emits.
-pub struct Drive {
+/// A moving source, a moving receiver and the source's strength.
+pub struct MovingPair {
     spread: Spread,
     scheme: Scheme,
-    quiet: bool,
+    flushing: bool,
     dx_m: f64,
     dt_s: f64,
     /// `rho c^2 dt / (2 dx^2)`.
@@ -42,9 +42,9 @@ pub struct Drive {
     recent: Option<(u64, [Injection; 2])>,
 }
 
-impl Drive {
-    /// `source_m` and `receiver_m` give the places (metres, in the domain) and `strength_m2ps` the source strength at a time
-    /// in seconds; up to and at time 0 the source is silent. `coincident` says that both places are the same.
+impl MovingPair {
+    /// `source_m` and `receiver_m` give the places (metres, in the domain) and `strength_m2ps` the source strength at a
+    /// time in seconds; up to and at time 0 the source is silent. `coincident` says that both places are the same.
     pub fn new(
         domain: &Domain,
         source_m: OfTime<[f64; 2]>,
@@ -57,7 +57,7 @@ impl Drive {
         Self {
             spread: domain.spread,
             scheme: domain.scheme,
-            quiet: true,
+            flushing: true,
             dx_m: grid.dx_m,
             dt_s: grid.dt_s,
             gain: stiffness * grid.dt_s / (2.0 * grid.dx_m * grid.dx_m),
@@ -72,17 +72,17 @@ impl Drive {
         }
     }
 
-    /// Goes on in a silent field that has a part of the domain and starts with this piece.
-    pub(super) fn enter(&mut self, piece: &Piece) {
-        self.first_cell = piece.window.first.map(|cells| cells as f64);
-        self.start = piece.start as i64;
-        self.ramp = piece.ramp as i64;
+    /// Goes on in a silent field that has a part of the domain and starts with this segment.
+    pub(super) fn enter(&mut self, segment: &Segment) {
+        self.first_cell = segment.window.first.map(|cells| cells as f64);
+        self.start = segment.start as i64;
+        self.ramp = segment.ramp as i64;
         self.recent = None;
     }
 
-    /// Whether some of the steps are quiet, see [`is_quiet`]; they are unless told otherwise.
-    pub(super) fn set_quiet(&mut self, quiet: bool) {
-        self.quiet = quiet;
+    /// Whether steps set small numbers to zero when [`flushes_subnormals`] says so; they do by default.
+    pub(super) fn set_flushing(&mut self, flushing: bool) {
+        self.flushing = flushing;
     }
 
     fn stencil(&self, point_m: [f64; 2]) -> Stencil {
@@ -95,8 +95,8 @@ impl Drive {
     /// `w q` at step `n`, scaled to pressure.
     fn contribution(&self, step: i64) -> Injection {
         let t = step as f64 * self.dt_s;
-        // Silent at the first step too: the field starts at rest, and a contribution that entered it without its counterpart two
-        // steps earlier would leave a constant pressure behind.
+        // Silent at the first step too: the field starts at rest, and a contribution that entered it without its
+        // counterpart two steps earlier would leave a constant pressure behind.
         let strength = if step <= self.start {
             0.0
         } else {
@@ -116,7 +116,7 @@ impl Drive {
         0.5 - 0.5 * (PI * steps as f64 / self.ramp as f64).cos()
     }
 
-    /// What happens in the step from level `step` to `step + 1`.
+    /// Injections and receiver of the step from level `step` to `step + 1`.
     pub fn forcing(&mut self, step: u64) -> StepForcing {
         let n = step as i64;
         let [before, now] = match self.recent {
@@ -131,7 +131,7 @@ impl Drive {
             self.stencil((self.receiver_m)((n + 1) as f64 * self.dt_s))
         };
         StepForcing {
-            quiet: self.quiet && is_quiet(self.scheme, step),
+            flush: self.flushing && flushes_subnormals(self.scheme, step),
             injections: [
                 after,
                 Injection {

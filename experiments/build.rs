@@ -18,7 +18,7 @@ fn main() {
             hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
     }
-    println!("cargo::rustc-env=LOCALIZER_PRINT={hash:016x}");
+    println!("cargo::rustc-env=LOCALIZER_FINGERPRINT={hash:016x}");
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {

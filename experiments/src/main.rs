@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use experiments::check::CheckFailed;
 use experiments::cli::Cli;
-use experiments::interrupt::{self, Interrupted};
+use experiments::run::interrupt::{self, Interrupted};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();

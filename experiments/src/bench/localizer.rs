@@ -12,8 +12,8 @@ use localizer::{EchoBlock, EchoSequence, MapImage, Method, Odometry, Parameters,
 use serde::Serialize;
 
 use super::stopwatch::Stopwatch;
-use crate::interrupt;
 use crate::metrics::quantile;
+use crate::run::interrupt;
 
 /// Steps timed.
 const STEPS: usize = 200;

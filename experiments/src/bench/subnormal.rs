@@ -8,7 +8,7 @@ use fdtd::scheme::Scheme;
 use serde::Serialize;
 
 use super::stopwatch::Stopwatch;
-use crate::interrupt;
+use crate::run::interrupt;
 
 /// Rounds of all measurements in turn; their sum counts.
 const ROUNDS: usize = 5;

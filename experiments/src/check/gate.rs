@@ -5,9 +5,10 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use crate::atomic;
+use crate::data::atomic;
+use crate::data::table::aligned;
 use crate::metrics::Accuracy;
-use crate::preset::Preset;
+use crate::run::preset::Preset;
 use crate::summary::Summary;
 
 /// Share by which an error may grow without alarm, beside its interval.
@@ -156,7 +157,7 @@ pub fn table(verdicts: &[Verdict]) -> String {
             if verdict.passed { "ok" } else { "WORSE" }.to_string(),
         ]
     }));
-    super::aligned(&rows)
+    aligned(&rows)
 }
 
 #[cfg(test)]

@@ -5,10 +5,11 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 
 use super::report::{count, ours, verdict};
-use super::targets::{Judged, Targets};
-use crate::atomic;
-use crate::progress::duration;
-use crate::provenance::Provenance;
+use super::targets::Targets;
+use super::verdicts::Judged;
+use crate::data::atomic;
+use crate::run::progress::duration;
+use crate::run::provenance::Provenance;
 use crate::summary::Summary;
 
 /// A generated part of a Markdown file: its name, and the text that stands between its marks.
@@ -156,13 +157,14 @@ pub fn insert(file: &Path, blocks: &[Block]) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preset::Preset;
+    use crate::check::verdicts::judge;
+    use crate::run::preset::Preset;
 
     #[test]
     fn blocks_replace_what_stands_between_their_marks() {
         let targets = Targets::load().unwrap();
         let summary = Summary::new(Preset::Paper);
-        let judged = targets.judge(&summary).unwrap();
+        let judged = judge(&targets, &summary).unwrap();
         let blocks = || [claims(&targets, &judged), commands(None, &summary)];
         let folder = tempfile::tempdir().unwrap();
         let readme = folder.path().join("README.md");

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::aligned;
-use super::targets::{Judged, Measure, Targets, Verdict};
-use crate::atomic;
+use super::targets::{Measure, Targets};
+use super::verdicts::{Judged, Verdict};
+use crate::data::atomic;
+use crate::data::table::aligned;
 use crate::summary::Summary;
 
 /// Our number with its interval.
@@ -135,13 +136,14 @@ pub fn write(folder: &Path, targets: &Targets, judged: &[Judged], summary: &Summ
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preset::Preset;
+    use crate::check::verdicts::judge;
+    use crate::run::preset::Preset;
 
     #[test]
     fn the_report_names_every_claim_and_paper() {
         let targets = Targets::load().unwrap();
         let summary = Summary::new(Preset::Paper);
-        let judged = targets.judge(&summary).unwrap();
+        let judged = judge(&targets, &summary).unwrap();
         let folder = tempfile::tempdir().unwrap();
         write(folder.path(), &targets, &judged, &summary).unwrap();
         let text = std::fs::read_to_string(folder.path().join("report.md")).unwrap();

@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail, ensure};
 
 use super::output::print_json;
-use crate::bench::peaks::{self, Peaks};
-use crate::bench::{Row, SMALLEST, localizer, measure, subnormal};
-use crate::{atomic, figures, progress::Board};
+use crate::bench::{Row, SMALLEST, localizer, measure, peaks, subnormal};
+use crate::data::atomic;
+use crate::data::peaks::Peaks;
+use crate::figures;
+use crate::run::progress::Board;
 
 /// Sides of the squares measured when no size is given.
 const SIDES: [usize; 6] = [256, 512, 1000, 2000, 4000, 8000];

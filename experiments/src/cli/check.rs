@@ -6,9 +6,10 @@ use anyhow::{Result, bail};
 
 use super::output::{print, print_json};
 use crate::check::gate::{self, Baseline};
-use crate::check::targets::{Targets, Verdict};
+use crate::check::targets::Targets;
+use crate::check::verdicts::{Verdict, judge};
 use crate::check::{CheckFailed, readme, report};
-use crate::preset::Preset;
+use crate::run::preset::Preset;
 use crate::summary::Summary;
 
 /// Arguments of `check`.
@@ -57,7 +58,7 @@ impl Arguments {
         }
         let (failed, of, what) = if self.preset == Preset::Paper && self.baseline.is_none() {
             let targets = Targets::load()?;
-            let judged = targets.judge(&summary)?;
+            let judged = judge(&targets, &summary)?;
             let folder = self.results.join(self.preset.name());
             report::write(&folder, &targets, &judged, &summary)?;
             if let Some(file) = &self.into {

@@ -7,9 +7,9 @@ use clap::Subcommand;
 use fdtd::scene::Scene;
 
 use super::output::{print, print_json};
-use crate::click;
 use crate::figures::field;
 use crate::figures::scene::draw;
+use crate::recordings::impulse_snapshot;
 
 /// Arguments of `scene`.
 #[derive(Debug, clap::Args)]
@@ -69,7 +69,7 @@ impl Arguments {
                         bail!("--after: {after_s} is out of range; give more than 0 to 1 s")
                     }
                     Some((path, after_s)) => {
-                        let frame = click::frame(&scene, &path, after_s)?;
+                        let frame = impulse_snapshot::frame(&scene, &path, after_s)?;
                         field::draw(&scene, &path, after_s, frame, &output)?;
                     }
                     None => draw(&scene, &output)?,

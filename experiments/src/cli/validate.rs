@@ -8,8 +8,9 @@ use oracles::laws::{Depth, LAWS, Law};
 
 use super::output::{print, print_json};
 use crate::check::CheckFailed;
-use crate::progress::duration;
-use crate::validate::{self, Kept};
+use crate::figures;
+use crate::run::progress::duration;
+use crate::validate::{self, Resume};
 
 /// Arguments of `validate`.
 #[derive(Debug, clap::Args)]
@@ -37,7 +38,7 @@ impl Arguments {
     pub(crate) fn run(self, json: bool) -> Result<()> {
         let folder = self.results.join("validation");
         if self.figures_only {
-            let pictures = validate::draw(&folder)?;
+            let pictures = figures::draw_validation(&folder)?;
             if json {
                 return print_json(&pictures);
             }
@@ -49,12 +50,12 @@ impl Arguments {
         let depth = if self.full { Depth::Full } else { Depth::Quick };
         let started = Instant::now();
         let whole = self.laws.is_empty();
-        let kept = (whole.then(|| Kept::below(&self.results, depth))).transpose()?;
-        let rows = validate::run(&self.chosen()?, depth, kept.as_ref())?;
-        if let Some(kept) = kept {
+        let resume = (whole.then(|| Resume::below(&self.results, depth))).transpose()?;
+        let rows = validate::run(&self.chosen()?, depth, resume.as_ref())?;
+        if let Some(resume) = resume {
             validate::write(&rows, depth, &folder)?;
-            validate::draw(&folder)?;
-            kept.clear()?;
+            figures::draw_validation(&folder)?;
+            resume.clear()?;
         }
         if json {
             print_json(&rows)?;

@@ -11,7 +11,7 @@ use super::canvas::{self, Marker, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
 use super::style::periods_style;
-use crate::table::Table;
+use crate::data::table::Table;
 
 /// What is to be seen: by how much, at most, the measured widths differ from theory, both over the periods.
 fn title(measured: &[(f64, f64)], theory: &[(f64, f64)]) -> String {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::atomic;
+use crate::data::atomic;
 
 /// Name of the animation in the folder of the pictures.
 pub const NAME: &str = "pressure.apng";

@@ -73,7 +73,7 @@ impl Axis {
                 let value = k as f64 * step;
                 (
                     value,
-                    crate::table::cell(value, digits).replace('-', "\u{2212}"),
+                    crate::data::table::cell(value, digits).replace('-', "\u{2212}"),
                 )
             })
             .collect()
@@ -87,7 +87,7 @@ impl Axis {
             .map(|(digit, decade)| {
                 let value = digit * 10_f64.powi(decade);
                 let digits = usize::try_from(-decade).unwrap_or(0);
-                (value.log10(), crate::table::cell(value, digits))
+                (value.log10(), crate::data::table::cell(value, digits))
             })
             .filter(|(place, _)| (self.low - 1e-9..=self.high + 1e-9).contains(place))
             .collect()

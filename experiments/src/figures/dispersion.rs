@@ -9,7 +9,7 @@ use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
-use crate::table::Table;
+use crate::data::table::Table;
 
 /// Data files that the figure is drawn from.
 pub(crate) const NEEDS: [&str; 2] = ["dispersion.csv", "velocity.csv"];

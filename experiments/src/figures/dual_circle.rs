@@ -11,8 +11,8 @@ use super::axis::Axis;
 use super::canvas::{self, LABEL, Marker};
 use super::colour;
 use super::legend::{Entry, legend};
+use crate::data::table::Table;
 use crate::metrics::mean;
-use crate::table::Table;
 
 /// Side of the square that the receivers stand at the corners of, metres.
 const SITE_M: f64 = 4.0;
@@ -175,7 +175,7 @@ mod tests {
         let path = folder.path().join("points.csv");
         let rows =
             "method,x_true_m,y_true_m,x_m,y_m\na,1,2,1.003,2.004\nb,1,2,1,2\na,3,2,3,2.007\n";
-        crate::atomic::write(&path, rows.as_bytes()).unwrap();
+        crate::data::atomic::write(&path, rows.as_bytes()).unwrap();
         let found = errors(&Table::read(&path).unwrap(), "a").unwrap();
         assert_eq!(found[1].0, [3.0, 2.0]);
         assert!((mean_mm(&found) - 6.0).abs() < 1e-9);

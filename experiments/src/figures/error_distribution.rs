@@ -9,8 +9,8 @@ use super::axis::Axis;
 use super::canvas;
 use super::legend::{Entry, legend};
 use super::style::method_style;
+use crate::data::table::Table;
 use crate::metrics::{cumulative_distribution, mean, quantile};
-use crate::table::Table;
 
 /// What is to be seen, from the mean errors in metres of Doppler bearings and of arrival times alone.
 fn title(doppler_m: f64, toa_m: f64) -> String {

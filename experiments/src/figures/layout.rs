@@ -1,97 +1,59 @@
-//! The room of a figure: size, absorbing layer, walls and drive paths as data files hold them.
+//! The plan of a scene in a figure: axes, absorbing layer, walls and drive paths.
 
-use std::path::Path;
-
-use anyhow::{Context, Result};
-use serde::{Deserialize, Serialize};
+use anyhow::Result;
 
 use super::axes::Axes;
 use super::axis::Axis;
-use super::canvas::{Marker, Stroke};
+use super::canvas::{Canvas, Marker, Stroke};
 use super::colour;
-use crate::table::Table;
+use crate::data::layout::Layout;
+use crate::data::table::Table;
 
-/// Walls and size of a scene, as written to `layout.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Layout {
-    /// Name of the scene.
-    pub name: String,
-    /// Width and height of the domain, metres.
-    pub size_m: [f64; 2],
-    /// Thickness of the absorbing layer on each side, metres.
-    pub layer_m: f64,
-    /// Walls.
-    pub walls: Vec<LayoutWall>,
+/// Axes over the whole domain within `frame`.
+pub fn axes<'a>(layout: &Layout, canvas: &'a Canvas, frame: [f64; 4]) -> Axes<'a> {
+    let [width, height] = layout.size_m;
+    Axes::equal(
+        canvas,
+        frame,
+        Axis::new(0.0, width, "x [m]"),
+        Axis::new(0.0, height, "y [m]"),
+    )
 }
 
-/// A wall of a [`Layout`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LayoutWall {
-    /// Corners of the centre line, metres.
-    pub points_m: Vec<[f64; 2]>,
-    /// Thickness, metres.
-    pub thickness_m: f64,
+/// Draws the walls.
+///
+/// # Errors
+/// When the canvas refuses.
+pub fn walls(layout: &Layout, axes: &Axes<'_>, stroke: Stroke) -> Result<()> {
+    let metre = (axes.pixel(1.0, 0.0)[0] - axes.pixel(0.0, 0.0)[0]).abs();
+    for wall in &layout.walls {
+        let points: Vec<(f64, f64)> = wall
+            .points_m
+            .iter()
+            .map(|point| (point[0], point[1]))
+            .collect();
+        let width = stroke.width.max(metre * wall.thickness_m);
+        axes.curve(&points, Stroke { width, ..stroke })?;
+    }
+    Ok(())
 }
 
-impl Layout {
-    /// Reads `layout.json` of a data folder.
-    ///
-    /// # Errors
-    /// When the file cannot be read or holds something else.
-    pub fn read(data: &Path) -> Result<Self> {
-        let path = data.join("layout.json");
-        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-        serde_json::from_str(&text).with_context(|| path.display().to_string())
+/// Shades the absorbing layer.
+///
+/// # Errors
+/// When the canvas refuses.
+pub fn layer(layout: &Layout, axes: &Axes<'_>) -> Result<()> {
+    let ([width, height], layer) = (layout.size_m, layout.layer_m);
+    let bands = [
+        [0.0, 0.0, width, layer],
+        [0.0, height - layer, width, height],
+        [0.0, layer, layer, height - layer],
+        [width - layer, layer, width, height - layer],
+    ];
+    for [x0, y0, x1, y1] in bands {
+        axes.area(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour::SKY, 0.35)?;
     }
-
-    /// Axes over the whole domain within `frame`.
-    pub fn axes<'a>(&self, canvas: &'a super::canvas::Canvas, frame: [f64; 4]) -> Axes<'a> {
-        let [width, height] = self.size_m;
-        Axes::equal(
-            canvas,
-            frame,
-            Axis::new(0.0, width, "x [m]"),
-            Axis::new(0.0, height, "y [m]"),
-        )
-    }
-
-    /// Draws the walls.
-    ///
-    /// # Errors
-    /// When the canvas refuses.
-    pub fn walls(&self, axes: &Axes<'_>, stroke: Stroke) -> Result<()> {
-        let metre = (axes.pixel(1.0, 0.0)[0] - axes.pixel(0.0, 0.0)[0]).abs();
-        for wall in &self.walls {
-            let points: Vec<(f64, f64)> = wall
-                .points_m
-                .iter()
-                .map(|point| (point[0], point[1]))
-                .collect();
-            let width = stroke.width.max(metre * wall.thickness_m);
-            axes.curve(&points, Stroke { width, ..stroke })?;
-        }
-        Ok(())
-    }
-
-    /// Shades the absorbing layer.
-    ///
-    /// # Errors
-    /// When the canvas refuses.
-    pub fn layer(&self, axes: &Axes<'_>) -> Result<()> {
-        let ([width, height], layer) = (self.size_m, self.layer_m);
-        let bands = [
-            [0.0, 0.0, width, layer],
-            [0.0, height - layer, width, height],
-            [0.0, layer, layer, height - layer],
-            [width - layer, layer, width, height - layer],
-        ];
-        for [x0, y0, x1, y1] in bands {
-            axes.area(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour::SKY, 0.35)?;
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 /// The points of a drive path in `drive.csv`.

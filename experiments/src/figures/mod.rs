@@ -5,15 +5,14 @@ pub mod axes;
 pub mod axis;
 pub mod canvas;
 pub mod colour;
-pub(crate) mod dispersion;
 pub(crate) mod field;
 pub mod layout;
 pub mod legend;
 pub mod scene;
-pub(crate) mod scene_echoes;
 pub mod snapshot;
 
 mod angular_resolution;
+mod dispersion;
 mod dual_circle;
 mod error_distribution;
 mod estimated_paths;
@@ -24,6 +23,7 @@ mod periods;
 mod reflections;
 mod roofline;
 mod scene_and_map;
+mod scene_echoes;
 mod speeds;
 mod step_time;
 mod style;
@@ -218,4 +218,16 @@ pub fn draw_bench(folder: &Path) -> Result<Option<PathBuf>> {
     let picture = folder.join("roofline.png");
     roofline::draw(&data, &picture)?;
     Ok(Some(picture))
+}
+
+/// Draws the figures of the validation from `folder/data` into `folder/figures`.
+///
+/// # Errors
+/// When the data is missing or damaged, or a picture cannot be written.
+pub fn draw_validation(folder: &Path) -> Result<Vec<PathBuf>> {
+    let (data, figures) = (folder.join("data"), folder.join("figures"));
+    let pictures = ["fig_dispersion.png", "fig_scene_echoes.png"].map(|name| figures.join(name));
+    dispersion::draw(&data, &pictures[0])?;
+    scene_echoes::draw(&data, &pictures[1])?;
+    Ok(pictures.to_vec())
 }

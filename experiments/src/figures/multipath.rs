@@ -9,12 +9,13 @@ use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Canvas, LABEL, Stroke};
 use super::colour;
-use super::layout::{Layout, drive_points, path};
+use super::layout::{self, drive_points, path};
 use super::legend::{Entry, legend};
 use super::means::means_by;
 use super::style::method_style;
+use crate::data::layout::Layout;
+use crate::data::table::Table;
 use crate::metrics::mean;
-use crate::table::Table;
 
 /// Mean error of model (c) in the paper's experiment, metres.
 const PAPER_M: f64 = 0.085;
@@ -309,9 +310,9 @@ pub(crate) fn scene(data: &Path, picture: &Path) -> Result<()> {
     canvas::draw(picture, 1660, 1100, |sheet| {
         let errors = mean_errors_of(&table, &["planar", "doppler", "odometry"])?;
         sheet.title(&format!("Mean error: {errors}; (b) was given the walls"))?;
-        let axes = layout.axes(sheet, [120.0, 130.0, 980.0, 990.0]);
+        let axes = layout::axes(&layout, sheet, [120.0, 130.0, 980.0, 990.0]);
         axes.grid()?;
-        layout.walls(&axes, Stroke::solid(colour::GREY, 6.0))?;
+        layout::walls(&layout, &axes, Stroke::solid(colour::GREY, 6.0))?;
         let (black, name) = method_style("truth");
         let mut entries = vec![Entry::line(black, name)];
         path(&axes, &truth, black)?;

@@ -11,7 +11,7 @@ use super::colour;
 use super::legend::{Entry, legend};
 use super::means::means_by;
 use super::style::method_style;
-use crate::table::Table;
+use crate::data::table::Table;
 
 /// Draws figure 9.
 ///

@@ -8,11 +8,12 @@ use super::axes::Axes;
 use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
-use super::layout::{Layout, drive_points, path};
+use super::layout::{self, drive_points, path};
 use super::legend::{Entry, legend};
 use super::means::means_by;
 use super::style::{method_style, periods_style};
-use crate::table::Table;
+use crate::data::layout::Layout;
+use crate::data::table::Table;
 
 /// What is to be seen: whether more periods do better, from numbers of periods and mean errors in metres.
 fn title(cells: &[(f64, f64)]) -> String {
@@ -47,9 +48,9 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     canvas::draw(picture, 1800, 1040, |sheet| {
         let means: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1)).collect();
         sheet.title(&title(&means))?;
-        let left = layout.axes(sheet, [120.0, 185.0, 860.0, 925.0]);
+        let left = layout::axes(&layout, sheet, [120.0, 185.0, 860.0, 925.0]);
         left.grid()?;
-        layout.walls(&left, Stroke::solid(colour::GREY, 6.0))?;
+        layout::walls(&layout, &left, Stroke::solid(colour::GREY, 6.0))?;
         let (black, name) = method_style("truth");
         path(&left, &truth, black)?;
         let mut entries = vec![Entry::line(black, name)];

@@ -11,8 +11,8 @@ use super::axis::Axis;
 use super::canvas::{self, LABEL, Marker};
 use super::colour;
 use super::legend::{Entry, legend};
+use crate::data::table::Table;
 use crate::metrics::quantile;
-use crate::table::Table;
 
 /// Where the cells of `reflections.npy` (rows: time, columns: round-trip distance) lie, as written to
 /// `reflections.json`.

@@ -11,7 +11,7 @@ use super::axis::Axis;
 use super::canvas::{self, Canvas, LABEL, Marker, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
-use crate::bench::peaks::Peaks;
+use crate::data::peaks::Peaks;
 
 /// What the figure needs of a row of `bench.json`.
 #[derive(Debug, Clone, Deserialize)]

@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use super::canvas::{self, LABEL, Stroke};
 use super::colour;
-use super::layout::{Layout, drive_points, path};
+use super::layout::{self, drive_points, path};
 use super::legend::{Entry, legend};
+use crate::data::layout::Layout;
+use crate::data::table::Table;
 use crate::metrics::quantile;
-use crate::table::Table;
 
 /// Where the pixels of `map.npy` lie, as written to `map.json` of the data folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,10 +63,10 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let title =
             "The scene, and the image of its walls from echoes at the known poses of a drive";
         sheet.title(title)?;
-        let left = layout.axes(sheet, [120.0, 130.0, 810.0, 820.0]);
+        let left = layout::axes(&layout, sheet, [120.0, 130.0, 810.0, 820.0]);
         left.grid()?;
-        layout.layer(&left)?;
-        layout.walls(&left, Stroke::solid(colour::BLACK, 7.0))?;
+        layout::layer(&layout, &left)?;
+        layout::walls(&layout, &left, Stroke::solid(colour::BLACK, 7.0))?;
         for (name, stroke) in tracks {
             path(&left, &drive_points(&drive, name)?, stroke)?;
         }
@@ -82,7 +83,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         }));
         legend(sheet, [60.0, 925.0], 900.0, &entries)?;
 
-        let right = layout.axes(sheet, [950.0, 130.0, 1640.0, 820.0]);
+        let right = layout::axes(&layout, sheet, [950.0, 130.0, 1640.0, 820.0]);
         let (rows, columns) = map.dim();
         let low = place.origin_m.map(|origin| origin - 0.5 * place.cell_m);
         let spans = [
@@ -104,7 +105,8 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let shown = map.mapv(|value| (f64::from(value) / greatest) as f32);
         let scale = CUT.map(|share| quantile(&values, share));
         right.image(shown.view(), spans, scale)?;
-        layout.walls(
+        layout::walls(
+            &layout,
             &right,
             Stroke::solid(plotters::style::WHITE, 3.0).dashed(&[10.0, 10.0]),
         )?;

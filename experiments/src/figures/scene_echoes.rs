@@ -10,7 +10,7 @@ use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
-use crate::table::Table;
+use crate::data::table::Table;
 
 /// Data files that the figure is drawn from.
 pub(crate) const NEEDS: [&str; 2] = ["scene_signal.csv", "scene_echoes.csv"];

@@ -9,8 +9,8 @@ use super::axis::Axis;
 use super::canvas::{self, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
+use crate::data::table::Table;
 use crate::metrics::mean;
-use crate::table::Table;
 
 /// What is to be seen, from bias and spread of the error of the turn rate in rad/s, counter-clockwise positive.
 fn title(bias: f64, spread: f64) -> String {

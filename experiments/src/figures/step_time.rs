@@ -9,8 +9,8 @@ use super::axis::Axis;
 use super::canvas::{self, Marker, Stroke};
 use super::colour;
 use super::legend::{Entry, legend};
+use crate::data::table::Table;
 use crate::metrics::{cumulative_distribution, quantile};
-use crate::table::Table;
 
 /// What is to be seen: the slowest bank and the slowest filter together, beside the time between two steps if it is
 /// known, all in milliseconds.

@@ -10,7 +10,7 @@ use super::canvas::{self, Marker};
 use super::legend::{Entry, legend};
 use super::means::means_by;
 use super::style::method_style;
-use crate::table::Table;
+use crate::data::table::Table;
 
 /// A window whose error exceeds the least by no more than this part does about as well.
 const ABOUT_AS_WELL: f64 = 0.25;

@@ -12,10 +12,10 @@ use localizer::echo::DopplerBank;
 use localizer::parameters::MeasurementParameters;
 use localizer::signal::waveform::transmit_period;
 
-use crate::laboratory::Laboratory;
+use crate::data::table::{Table, cell};
 use crate::metrics::rounded;
+use crate::session::Session;
 use crate::summary::{ResolutionCell, Summary};
-use crate::table::{Table, cell};
 
 /// Numbers of periods.
 const PERIODS: [usize; 8] = [1, 2, 3, 4, 5, 6, 7, 8];
@@ -90,7 +90,7 @@ fn half_power_width(answer: &[(f64, f64)]) -> Option<f64> {
 }
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
     let mut table = Table::new(["m", "cos_theta", "level"]);
     let mut widths = Table::new(["m", "half_power_width", "theory"]);
     summary.angular_resolution.clear();
@@ -102,9 +102,9 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
                 max_range_m: 2.0 * RANGE_M,
                 min_range_m: 0.0,
                 range_pool_m: 0.0,
-                ..lab.parameters.measurement
+                ..session.parameters.measurement
             },
-            ..lab.parameters.clone()
+            ..session.parameters.clone()
         };
         let answer = answer(&parameters)?;
         let width = half_power_width(&answer)
@@ -122,8 +122,8 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             theory: rounded(theory),
         });
     }
-    table.write(&lab.data("angular_resolution.csv"))?;
-    widths.write(&lab.data("angular_resolution_widths.csv"))
+    table.write(&session.data("angular_resolution.csv"))?;
+    widths.write(&session.data("angular_resolution_widths.csv"))
 }
 
 #[cfg(test)]

@@ -3,11 +3,11 @@
 use anyhow::{Context, Result};
 use localizer::beacons::Beacons;
 
-use crate::laboratory::Laboratory;
+use crate::data::table::{Table, cell};
 use crate::metrics::{mean, rounded};
+use crate::recordings::ultrasound::{Link, Ranging};
+use crate::session::Session;
 use crate::summary::{AxisErrors, DualCircle, Summary};
-use crate::table::{Table, cell};
-use crate::ultrasound::{Link, Ranging};
 
 /// Corners of the 4 m square. The paper draws its receivers as a figure only; corners fit its farthest distance, 4.24 m.
 const RECEIVERS_M: [[f64; 2]; 4] = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
@@ -122,12 +122,12 @@ fn measured() -> Result<Table> {
 }
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
-    let path = lab.data("dual_circle_published.csv");
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+    let path = session.data("dual_circle_published.csv");
     published().write(&path)?;
     let published = Table::read(&path)?;
     let measured = measured()?;
-    measured.write(&lab.data("dual_circle.csv"))?;
+    measured.write(&session.data("dual_circle.csv"))?;
     summary.dual_circle = Some(DualCircle {
         published_dual_circle: errors(&published, "dual-circle")?,
         published_triangulation: errors(&published, "triangulation")?,

@@ -9,7 +9,7 @@ use oracles::laws::conditions::Conditions;
 use oracles::laws::setting::Setting;
 use oracles::laws::{Depth, dispersion, scene_echoes};
 
-use crate::table::{Table, cell};
+use crate::data::table::{Table, cell};
 
 /// Directions of the curves of the dispersion relation, degrees.
 const ANGLES_DEG: [f64; 3] = [0.0, 22.5, 45.0];

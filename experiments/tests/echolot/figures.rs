@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use experiments::atomic;
+use experiments::data::atomic;
+use experiments::data::table::Table;
 use experiments::figures::{Drawn, draw_all, draw_bench};
-use experiments::table::Table;
 
 fn table(path: &Path, text: &str) {
     atomic::write(path, text.as_bytes()).unwrap();

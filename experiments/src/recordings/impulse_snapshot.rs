@@ -6,24 +6,16 @@ use fdtd::scene::Scene;
 use fdtd::simulation::{Flow, Simulation, SimulationOptions};
 use oracles::exact::burst::Burst;
 
+use crate::data::field_frame::FieldFrame;
+
 /// Carrier and bandwidth of the click, Hz: wave fronts of 7 cm that the eye can follow.
 const BURST_HZ: [f64; 2] = [5e3, 1.8e3];
-
-/// Pressure of all cells at one moment.
-pub(crate) struct Frame {
-    /// Cells along x.
-    pub(crate) columns: usize,
-    /// Cells along y.
-    pub(crate) rows: usize,
-    /// `[iy, ix]`, x fastest, in Pa.
-    pub(crate) pressures: Vec<f32>,
-}
 
 /// The field `t_s` seconds after a click from the loudspeaker at rest at the start of `path`.
 ///
 /// # Errors
 /// When the scene has no such path or the field refuses it.
-pub(crate) fn frame(scene: &Scene, path: &str, t_s: f64) -> Result<Frame> {
+pub fn frame(scene: &Scene, path: &str, t_s: f64) -> Result<FieldFrame> {
     let rest = MotionState {
         v_mps: 0.0,
         omega_radps: 0.0,
@@ -44,10 +36,5 @@ pub(crate) fn frame(scene: &Scene, path: &str, t_s: f64) -> Result<Frame> {
     };
     let mut simulation = Simulation::new(&still, "still", &waveform, &options)?;
     simulation.run(&mut |_, _| Flow::Continue)?;
-    let (columns, rows, pressures) = simulation.pressure_frame();
-    Ok(Frame {
-        columns,
-        rows,
-        pressures,
-    })
+    Ok(FieldFrame::of(&simulation))
 }

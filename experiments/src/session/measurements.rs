@@ -1,24 +1,45 @@
-//! What is measured of recordings: echoes and maps, kept for the studies that follow.
+//! Echoes and maps measured from a session's recordings, kept in memory for the studies that follow.
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex};
 
 use anyhow::{Context, Result};
 use fdtd::scheme::Scheme;
 use localizer::image::map_image::{self, MapImage};
 use localizer::{EchoSequence, Parameters, Recording, echo};
 
-use super::Laboratory;
-use crate::simulate::Take;
+use super::recordings::Recordings;
+use crate::recordings::spec::RecordingSpec;
 
-impl Laboratory {
-    /// The map that localization with these parameters and this scheme is matched with.
+/// Echoes and maps by recording and parameters.
+pub struct Measurements {
+    recordings: Arc<Recordings>,
+    /// Parameters whose filter part is put into the names of maps.
+    base: Parameters,
+    maps: Mutex<HashMap<String, Arc<MapImage>>>,
+    /// The echoes measured last, which consecutive studies share.
+    recent: Mutex<Option<(String, Arc<EchoSequence>)>>,
+}
+
+impl Measurements {
+    /// Measurements of `recordings`; trials that differ from `base` in the filter alone share them.
+    pub(super) fn new(recordings: Arc<Recordings>, base: &Parameters) -> Self {
+        Self {
+            recordings,
+            base: base.clone(),
+            maps: Mutex::default(),
+            recent: Mutex::default(),
+        }
+    }
+
+    /// The map for localization with these parameters and this scheme.
     ///
     /// # Errors
     /// When the mapping recording is missing or cannot be measured.
     pub fn map(&self, scheme: Option<Scheme>, parameters: &Parameters) -> Result<Arc<MapImage>> {
-        let parameters = measurement_of(parameters, &self.parameters);
-        let take = self.take("mapping", scheme);
-        let name = self.name_of(&take, &parameters)?;
+        let parameters = measurement_of(parameters, &self.base);
+        let spec = self.recordings.spec("mapping", scheme);
+        let name = self.name_of(&spec, &parameters)?;
         if let Some(map) = self
             .maps
             .lock()
@@ -27,7 +48,7 @@ impl Laboratory {
         {
             return Ok(map);
         }
-        let recording = self.recording(&take, false)?;
+        let recording = self.recordings.read(&spec, false)?;
         let sequence = echo::measure(&recording, &parameters)?;
         let map = Arc::new(map_of(&recording, &sequence)?);
         if let Ok(mut maps) = self.maps.lock() {
@@ -36,17 +57,21 @@ impl Laboratory {
         Ok(map)
     }
 
-    /// The echoes of a take without noise, measured with these parameters (see [`measurement_of`]).
+    /// The echoes of a recording without noise, measured with these parameters (see [`measurement_of`]).
     ///
     /// # Errors
     /// When the recording is missing or cannot be measured.
-    pub fn echoes(&self, take: &Take, parameters: &Parameters) -> Result<Arc<EchoSequence>> {
-        let name = self.name_of(take, parameters)?;
+    pub fn echoes(
+        &self,
+        spec: &RecordingSpec,
+        parameters: &Parameters,
+    ) -> Result<Arc<EchoSequence>> {
+        let name = self.name_of(spec, parameters)?;
         let known = self.recent.lock().ok().and_then(|recent| recent.clone());
         if let Some((_, echoes)) = known.filter(|(known, _)| *known == name) {
             return Ok(echoes);
         }
-        let recording = self.recording(take, false)?;
+        let recording = self.recordings.read(spec, false)?;
         let echoes = Arc::new(echo::measure(&recording, parameters)?);
         if let Ok(mut recent) = self.recent.lock() {
             *recent = Some((name, Arc::clone(&echoes)));
@@ -54,10 +79,10 @@ impl Laboratory {
         Ok(echoes)
     }
 
-    /// Everything that determines what is measured of a take.
-    fn name_of(&self, take: &Take, parameters: &Parameters) -> Result<String> {
+    /// All that determines a measurement.
+    fn name_of(&self, spec: &RecordingSpec, parameters: &Parameters) -> Result<String> {
         let parameters = serde_json::to_string(parameters)?;
-        Ok(format!("{} {parameters}", self.key(take)?))
+        Ok(format!("{} {parameters}", self.recordings.key(spec)?))
     }
 }
 

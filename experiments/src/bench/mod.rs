@@ -19,8 +19,8 @@ use fdtd::spread::Spread;
 use fdtd::walls::SolidMask;
 use serde::Serialize;
 
-use crate::interrupt;
-use peaks::Peaks;
+use crate::data::peaks::{self as measured, Peaks};
+use crate::run::interrupt;
 
 /// Cells of the absorbing layers.
 const LAYER_CELLS: usize = 20;
@@ -202,7 +202,7 @@ pub fn measure(
             if threads.is_none() {
                 base = rate;
             }
-            let peak_gflops = peaks::of(peaks, count).map_or(f64::NAN, |peak| peak.fma_gflops);
+            let peak_gflops = measured::of(peaks, count).map_or(f64::NAN, |peak| peak.fma_gflops);
             let row = Row {
                 engine: if threads.is_none() {
                     "reference"

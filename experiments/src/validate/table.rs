@@ -1,10 +1,9 @@
-//! Measurements of laws in words: the whole table, and one line per law.
+//! Measurements of laws as text: the whole table, and one line per law.
 
 use oracles::laws::{LAWS, Measurement};
 
-use super::Row;
-use crate::check::aligned;
-use crate::table::cell;
+use super::row::Row;
+use crate::data::table::{aligned, cell};
 
 /// A number for the table: three significant digits.
 fn number(value: f64) -> String {
@@ -18,7 +17,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// What a measurement may be, in words.
+/// Tolerance of a measurement as text.
 fn tolerance(measurement: &Measurement) -> String {
     match (measurement.least, measurement.most) {
         (Some(least), Some(most)) if least == -most => format!("\u{b1} {}", number(most)),
@@ -69,7 +68,7 @@ pub fn table(rows: &[Row]) -> String {
     aligned(&cells(rows))
 }
 
-/// How near to its limit a measurement comes: 1 at the limit, above beyond it.
+/// Ratio of a measurement to its limit: 1 at the limit, above 1 beyond it.
 fn nearness(measurement: &Measurement) -> f64 {
     let measured = measurement.measured;
     match (measurement.least, measurement.most) {
@@ -83,7 +82,7 @@ fn nearness(measurement: &Measurement) -> f64 {
     }
 }
 
-/// One line per law: how much was measured, and what came nearest to its limit: `laws.md`.
+/// `laws.md`: one line per law with its number of measurements and the one nearest to its limit.
 pub fn laws(rows: &[Row]) -> String {
     let mut text = String::from(
         "| law | within tolerance | nearest to its limit | tolerance | measured | verdict |\n|---|---|---|---|---|---|\n",
@@ -122,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tolerances_and_verdicts_are_said_in_words() {
+    fn tolerances_and_verdicts_are_text() {
         let row = |measurement: Measurement| Row {
             law: "law",
             passed: measurement.passed(),
@@ -152,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_law_is_told_by_what_comes_nearest_to_its_limit() {
+    fn the_line_of_a_law_shows_the_measurement_nearest_to_its_limit() {
         let row = |measured: f64| {
             let measurement = Measurement::within("case".into(), "level, dB", measured, 0.1);
             Row {

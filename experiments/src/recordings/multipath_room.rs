@@ -16,8 +16,8 @@ use oracles::image_source::ImageSourceOptions;
 use oracles::image_source::room::{Room, RoomPair, synthesize};
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::cache::{Cache, Key, hash_of_samples};
-use crate::noise::Noise;
+use super::noise::Noise;
+use crate::data::cache::{Cache, Key, hash_of_samples};
 
 /// Corners of the room, counter-clockwise, metres; the wall on the right is slanted by 6.6 degrees.
 pub const CORNERS_M: [[f64; 2]; 4] = [[0.0, 0.0], [5.2, 0.0], [4.7, 4.3], [0.0, 4.3]];

@@ -1,21 +1,22 @@
-//! What an interrupted validation has measured, law by law, for the same command to go on from.
+//! Measurements of an interrupted validation, law by law, from which the same command resumes.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use oracles::laws::{Depth, Measurement};
 
-use crate::atomic;
-use crate::cache::Key;
+use crate::data::atomic;
+use crate::data::cache::Key;
 
-/// A folder of measurements that belong to this very program and depth. It is removed when all is measured: a validation measures anew.
-pub struct Kept {
+/// A folder of measurements of this program at one depth. It is removed when all laws are measured: the next validation
+/// measures anew.
+pub struct Resume {
     folder: PathBuf,
     key: String,
 }
 
-impl Kept {
-    /// That of this program below a folder of results.
+impl Resume {
+    /// The folder of this program below a folder of results.
     ///
     /// # Errors
     /// When the program's own file cannot be read.
@@ -38,12 +39,12 @@ impl Kept {
         (self.folder.join(&self.key)).join(format!("{}.json", words.join("-").to_lowercase()))
     }
 
-    /// What was measured of a law; none when it was not, or the file is damaged.
+    /// Measurements of a law; `None` when there are none or the file is damaged.
     pub fn read(&self, law: &str) -> Option<Vec<Measurement>> {
         serde_json::from_slice(&std::fs::read(self.file(law)).ok()?).ok()
     }
 
-    /// Keeps what was measured of a law.
+    /// Writes the measurements of a law.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -51,7 +52,7 @@ impl Kept {
         atomic::write(&self.file(law), &serde_json::to_vec(measurements)?)
     }
 
-    /// Removes all that is kept, of other programs too.
+    /// Removes all measurements, of other programs too.
     ///
     /// # Errors
     /// When the folder cannot be removed.
@@ -70,22 +71,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_kept_comes_back_to_the_last_bit_until_it_is_cleared() {
+    fn measurements_come_back_to_the_last_bit_until_they_are_cleared() {
         let results = tempfile::tempdir().unwrap();
-        let kept = Kept::below(results.path(), Depth::Quick).unwrap();
+        let resume = Resume::below(results.path(), Depth::Quick).unwrap();
         let law = "R-L-C, 1:3";
-        assert!(kept.read(law).is_none());
-        kept.clear().unwrap();
+        assert!(resume.read(law).is_none());
+        resume.clear().unwrap();
         let numbers = [0.1 + 0.2, -1.0 / 3.0, 5e-324, 1.797e308, 0.0];
         let measurements: Vec<Measurement> = (numbers.iter())
             .map(|&x| Measurement::within(format!("case {x}"), "level, dB", x, 1.0))
             .collect();
-        kept.write(law, &measurements).unwrap();
-        assert_eq!(kept.read(law), Some(measurements));
-        assert!(kept.read("R-L-C").is_none(), "another law");
-        let full = Kept::below(results.path(), Depth::Full).unwrap();
+        resume.write(law, &measurements).unwrap();
+        assert_eq!(resume.read(law), Some(measurements));
+        assert!(resume.read("R-L-C").is_none(), "another law");
+        let full = Resume::below(results.path(), Depth::Full).unwrap();
         assert!(full.read(law).is_none(), "another depth");
-        kept.clear().unwrap();
-        assert!(kept.read(law).is_none());
+        resume.clear().unwrap();
+        assert!(resume.read(law).is_none());
     }
 }

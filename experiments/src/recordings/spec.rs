@@ -1,4 +1,4 @@
-//! What is recorded, and what computes it.
+//! Specification of a simulated recording: drive, engine and their options.
 
 use clap::ValueEnum;
 use fdtd::scheme::Scheme;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Steady error of the odometry's turn rate in the paper's simulation, rad/s.
 pub const ODOMETRY_BIAS_RADPS: f64 = 0.01;
 
-/// Most reflections of an image source's echo unless something else is asked for: those that the paper's Fig. 8 shows.
+/// Default of the most reflections of an image source's echo: those that the paper's Fig. 8 shows.
 pub const IMAGE_ORDER: u8 = 2;
 
 /// What computes the sound.
@@ -32,39 +32,34 @@ impl Engine {
     }
 }
 
-/// What is recorded, and how.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Take {
+/// Specification of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordingSpec {
     /// Drive path of the scene.
     pub path: String,
     /// What computes the sound.
     pub engine: Engine,
-    /// Most reflections of an image source's echo; nothing to the field, which has all of them.
-    #[serde(skip)]
+    /// Most reflections of an image source's echo; the field has all of them.
     pub image_order: usize,
     /// Scheme of the field; the scene's when absent.
-    #[serde(skip)]
     pub scheme: Option<Scheme>,
     /// Spreading of source and receiver; the scene's when absent.
-    #[serde(skip)]
     pub spread: Option<Spread>,
-    /// With the source strength times the time since the middle of the drive; see [`fdtd::medium::absorbed`].
-    #[serde(skip)]
+    /// With the source strength multiplied by the time since the middle of the drive; see [`fdtd::medium::absorbed`].
     pub stamped: bool,
     /// How walls become cells of the field; the scene's way when absent.
-    #[serde(skip)]
     pub wall_model: Option<WallModel>,
     /// Without walls: the direct wave alone.
     pub free_field: bool,
-    /// With the air beyond walls and drive, which is not heard; see [`fdtd::simulation::SimulationOptions`].
-    #[serde(skip)]
+    /// With the air beyond walls and drive, which changes no sample of the microphone; see
+    /// [`fdtd::simulation::SimulationOptions`].
     pub whole_domain: bool,
     /// Steady error of the odometry's turn rate, rad/s.
     pub odometry_bias_radps: f64,
 }
 
-impl Take {
-    /// The sound field on a path with the scene's own choices.
+impl RecordingSpec {
+    /// The recording of a path with the scene's own choices.
     pub fn of(path: &str, engine: Engine) -> Self {
         Self {
             path: path.to_string(),
@@ -80,7 +75,7 @@ impl Take {
         }
     }
 
-    /// The same with the sound stamped by the time of sending.
+    /// The same with the source strength multiplied by the time of emission.
     pub fn stamped(&self) -> Self {
         Self {
             stamped: true,

@@ -1,18 +1,15 @@
-//! Every number that a figure, the README or a check rests on: `results/<preset>/summary.json`.
-
-mod multipath;
-
-pub use multipath::{FollowedPath, Multipath, MultipathGate, MultipathScene};
+//! The summary and its parts by study.
 
 use std::path::Path;
 
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use crate::atomic;
+use super::multipath::Multipath;
+use crate::data::atomic;
 use crate::metrics::Accuracy;
-use crate::preset::Preset;
-use crate::provenance::Provenance;
+use crate::run::preset::Preset;
+use crate::run::provenance::Provenance;
 
 /// The summary of a preset; a part that no study has filled yet is absent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-use crate::atomic;
+use super::atomic;
 
 /// A table with named columns. Cells hold neither commas nor line breaks.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -182,6 +182,31 @@ pub fn cell(value: f64, digits: usize) -> String {
         Some(rest) if is_zero => rest.to_string(),
         _ => text,
     }
+}
+
+/// Lays out rows of cells as columns of even width, the first row as header.
+pub fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns)
+        .map(|column| {
+            rows.iter()
+                .filter_map(|row| row.get(column))
+                .map(|cell| cell.chars().count())
+                .max()
+                .unwrap_or(0)
+        })
+        .collect();
+    let mut text = String::new();
+    for row in rows {
+        let line: Vec<String> = row
+            .iter()
+            .zip(&widths)
+            .map(|(cell, width)| format!("{cell:<width$}"))
+            .collect();
+        text.push_str(line.join("  ").trim_end());
+        text.push('\n');
+    }
+    text
 }
 
 #[cfg(test)]

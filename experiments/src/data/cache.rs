@@ -3,20 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use fdtd::scene::Scene;
-use fdtd::walls::Impedance;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 
-use crate::atomic;
-use crate::simulate::{Engine, IMAGE_ORDER, Take};
+use super::atomic;
 
 /// Version of the files in the cache.
 const FORMAT: u32 = 1;
-
-/// Spacing in seconds at which a drive path enters a key.
-const PATH_STEP_S: f64 = 0.01;
 
 /// A key that is built up from named values.
 pub struct Key {
@@ -82,84 +76,6 @@ pub fn hash_of_samples(samples: &[f32]) -> String {
     let numbers: Vec<f64> = samples.iter().map(|sample| f64::from(*sample)).collect();
     key.numbers("samples", &numbers);
     key.finish()
-}
-
-/// Key of the recording that `take` makes of `scene`. `engine_print` stands for the engine's code (see
-/// [`crate::simulate::engine_print`]); names and descriptions do not matter, nor how a path was written, only where it leads.
-///
-/// # Errors
-/// When the scene has no such path.
-pub fn recording_key(scene: &Scene, take: &Take, engine_print: &str) -> Result<String> {
-    let path = scene.path(&take.path)?;
-    let mut key = Key::new("recording");
-    key.text("engine print", engine_print);
-    key.value("engine", &take.engine)?;
-    key.value("free field", &take.free_field)?;
-    if take.whole_domain {
-        key.value("whole domain", &take.whole_domain)?;
-    }
-    if take.engine == Engine::ImageSource && take.image_order != usize::from(IMAGE_ORDER) {
-        key.value("image order", &take.image_order)?;
-    }
-    if take.stamped {
-        key.value("stamped", &take.stamped)?;
-    }
-    key.numbers("odometry bias", &[take.odometry_bias_radps]);
-    key.numbers(
-        "medium and grid",
-        &[
-            scene.medium.c_mps,
-            scene.medium.rho_kgpm3,
-            scene.grid.nx as f64,
-            scene.grid.ny as f64,
-            scene.grid.dx_m,
-            scene.grid.dt_s,
-            scene.layer_cells as f64,
-            scene.sample_rate_hz,
-        ],
-    );
-    key.numbers("loudspeaker", &scene.robot.loudspeaker_offset_m);
-    key.numbers("microphone", &scene.robot.microphone_offset_m);
-    let waveform = &scene.waveform;
-    key.numbers(
-        "code",
-        &[
-            f64::from(waveform.code_length),
-            waveform.chip_rate_hz,
-            waveform.carrier_hz,
-        ],
-    );
-    key.numbers("band", &waveform.band_hz);
-    if take.engine == Engine::Fdtd {
-        key.value("scheme", &take.scheme.unwrap_or(scene.scheme))?;
-        key.value("spread", &take.spread.unwrap_or(scene.spread))?;
-    }
-    if !take.free_field {
-        if take.engine == Engine::Fdtd {
-            key.value("wall model", &take.wall_model.unwrap_or(scene.wall_model))?;
-        }
-        for wall in &scene.walls {
-            let corners: Vec<f64> = wall.points_m.iter().flatten().copied().collect();
-            key.numbers("wall", &corners);
-            key.numbers("thickness", &[wall.thickness_m]);
-            let rigid = || vec![f64::INFINITY];
-            let impedance = wall.impedance.as_ref();
-            key.numbers(
-                "impedance",
-                &impedance.map_or_else(rigid, Impedance::numbers),
-            );
-        }
-    }
-    let steps = (path.duration_s() / PATH_STEP_S).floor() as usize;
-    let course: Vec<f64> = (0..=steps)
-        .flat_map(|step| {
-            let state = path.state_at(step as f64 * PATH_STEP_S);
-            [state.x_m, state.y_m, state.heading_rad]
-        })
-        .collect();
-    key.numbers("duration", &[path.duration_s()]);
-    key.numbers("course", &course);
-    Ok(key.finish())
 }
 
 /// A folder of cached things.

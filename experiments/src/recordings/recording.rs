@@ -1,4 +1,4 @@
-//! From a microphone signal to a recording: odometry, truth, provenance, and what the air absorbs.
+//! From a microphone signal to a recording: odometry, truth, provenance, and absorption by the air.
 
 use anyhow::Result;
 use fdtd::medium::Air;
@@ -9,18 +9,19 @@ use localizer::odometry::OdometrySample;
 use localizer::recording::{Recording, RecordingMeta};
 use localizer::{Parameters, Pose, Trajectory};
 
-use super::{Take, parameters_of};
+use super::spec::RecordingSpec;
+use super::waveform::parameters_of;
 
 /// Rate at which odometry and truth are recorded, Hz.
 const ODOMETRY_RATE_HZ: f64 = 50.0;
 
-/// The signal of a take with what the air absorbs, from it and its stamped twin ([`Take::stamped`]).
+/// The signal with absorption by the air, from the plain signal and its stamped twin ([`RecordingSpec::stamped`]).
 ///
 /// # Errors
 /// When the scene has no such path.
 pub fn absorbed(
     scene: &Scene,
-    take: &Take,
+    spec: &RecordingSpec,
     plain: &[f32],
     stamped: &[f32],
     air: &Air,
@@ -28,15 +29,15 @@ pub fn absorbed(
     let signals = Stamped {
         plain,
         stamped,
-        middle_s: 0.5 * scene.path(&take.path)?.duration_s(),
+        middle_s: 0.5 * scene.path(&spec.path)?.duration_s(),
         sample_rate_hz: scene.sample_rate_hz,
     };
     let alpha = |frequency_hz: f64| nepers_per_metre(air, frequency_hz);
     Ok(signals.absorbed(scene.medium.c_mps, &alpha))
 }
 
-/// Writes the air that absorbed into a recording's provenance.
-pub fn tell_air(recording: &mut Recording, air: &Air) {
+/// Notes the air that absorbed in a recording's provenance.
+pub fn note_air(recording: &mut Recording, air: &Air) {
     recording.meta.provenance["absorption"] = serde_json::json!({
         "formula": "ISO 9613-1",
         "temperature_degc": air.temperature_degc,
@@ -46,12 +47,18 @@ pub fn tell_air(recording: &mut Recording, air: &Air) {
     });
 }
 
-/// The recording of a drive with this signal: biased odometry, truth, waveform and provenance.
+/// The recording of a drive with this signal: biased odometry, truth, waveform and provenance. `seconds` is the time that
+/// the simulation took.
 ///
 /// # Errors
 /// When the scene has no such path.
-pub fn recording(scene: &Scene, take: &Take, signal: Vec<f32>, seconds: f64) -> Result<Recording> {
-    let path = scene.path(&take.path)?;
+pub fn recording(
+    scene: &Scene,
+    spec: &RecordingSpec,
+    signal: Vec<f32>,
+    seconds: f64,
+) -> Result<Recording> {
+    let path = scene.path(&spec.path)?;
     let count = (path.duration_s() * ODOMETRY_RATE_HZ).ceil() as usize;
     let times: Vec<f64> = (0..=count)
         .map(|index| index as f64 / ODOMETRY_RATE_HZ)
@@ -71,7 +78,7 @@ pub fn recording(scene: &Scene, take: &Take, signal: Vec<f32>, seconds: f64) -> 
             OdometrySample {
                 t_s,
                 v_mps: state.v_mps,
-                omega_radps: state.omega_radps + take.odometry_bias_radps,
+                omega_radps: state.omega_radps + spec.odometry_bias_radps,
             }
         })
         .collect();
@@ -91,13 +98,13 @@ pub fn recording(scene: &Scene, take: &Take, signal: Vec<f32>, seconds: f64) -> 
             provenance: serde_json::json!({
                 "program": format!("echolot {}", env!("CARGO_PKG_VERSION")),
                 "scene": scene.name,
-                "path": take.path,
-                "engine": take.engine,
-                "scheme": take.scheme.unwrap_or(scene.scheme),
-                "spread": take.spread.unwrap_or(scene.spread),
-                "wall_model": take.wall_model.unwrap_or(scene.wall_model),
-                "free_field": take.free_field,
-                "odometry_bias_radps": take.odometry_bias_radps,
+                "path": spec.path,
+                "engine": spec.engine,
+                "scheme": spec.scheme.unwrap_or(scene.scheme),
+                "spread": spec.spread.unwrap_or(scene.spread),
+                "wall_model": spec.wall_model.unwrap_or(scene.wall_model),
+                "free_field": spec.free_field,
+                "odometry_bias_radps": spec.odometry_bias_radps,
                 "seconds": (seconds * 10.0).round() / 10.0,
             }),
             ..RecordingMeta::from_parameters(&parameters)
@@ -105,7 +112,7 @@ pub fn recording(scene: &Scene, take: &Take, signal: Vec<f32>, seconds: f64) -> 
     })
 }
 
-/// Seconds that the simulation of a recording took, as its provenance tells; 0 when it does not.
+/// Seconds that the simulation of a recording took, from its provenance; 0 when they are not there.
 pub fn simulation_seconds(recording: &Recording) -> f64 {
     recording.meta.provenance["seconds"].as_f64().unwrap_or(0.0)
 }

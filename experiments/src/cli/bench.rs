@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail, ensure};
 
 use super::output::print_json;
-use crate::bench::{Row, SMALLEST, localizer, measure, peaks, subnormal};
+use crate::bench::engines::{Row, measure};
+use crate::bench::{SMALLEST, localizer, peaks, subnormal};
 use crate::data::atomic;
 use crate::data::peaks::Peaks;
 use crate::figures;

@@ -2,6 +2,7 @@
 
 mod measurements;
 mod recordings;
+mod request;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,7 +13,6 @@ use localizer::Parameters;
 
 use crate::data::cache::Cache;
 use crate::recordings::robot::Robot;
-use crate::recordings::spec::Engine;
 use crate::recordings::waveform::parameters_of;
 use crate::run::preset::{Plan, Preset};
 use crate::run::progress::Board;
@@ -20,25 +20,7 @@ use crate::schedule::{self, Job};
 
 pub use self::measurements::{Measurements, map_of, measurement_of};
 pub use self::recordings::{ANECHOIC, Recordings};
-
-/// Options of a run.
-#[derive(Debug, Clone)]
-pub struct Request {
-    /// The preset.
-    pub preset: Preset,
-    /// Folder of the results; the preset's folder is below it.
-    pub results: PathBuf,
-    /// Folder of the cache.
-    pub cache: PathBuf,
-    /// Engine that computes the sound.
-    pub engine: Engine,
-    /// Most reflections of an image source's echo.
-    pub image_order: usize,
-    /// Parameters of the localizer where the preset does not set them.
-    pub parameters: Parameters,
-    /// Simulations side by side; `None` measures which number is faster.
-    pub side_by_side: Option<usize>,
-}
+pub use self::request::Request;
 
 /// All that the studies of one run share.
 pub struct Session {

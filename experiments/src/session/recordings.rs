@@ -10,7 +10,7 @@ use fdtd::scheme::Scheme;
 use localizer::{DirectWave, Parameters, Recording};
 use rayon::prelude::*;
 
-use super::Request;
+use super::request::Request;
 use crate::data::cache::Cache;
 use crate::recordings::fingerprint::engine_fingerprint;
 use crate::recordings::key::recording_key;
@@ -167,7 +167,7 @@ impl Recordings {
     /// Reads a recording, with its direct wave when the parameters or the caller want it.
     ///
     /// # Errors
-    /// When it is not in the cache (see [`super::Session::simulate`]) or damaged.
+    /// When it is not in the cache (see [`Session::simulate`](super::Session::simulate)) or damaged.
     pub fn read(&self, spec: &RecordingSpec, with_direct: bool) -> Result<Recording> {
         let read = |spec: &RecordingSpec| -> Result<Recording> {
             let folder = self.cache.recording(&self.key(spec)?);

@@ -1,8 +1,9 @@
-//! Hashes the localizer's source, so that cached trials of other code are not taken for those of this code.
+//! Hashes the localizer's source, so that cached trials of other code are not reused.
 
 use std::path::{Path, PathBuf};
 
-/// From the package's folder, where build scripts run; relative, so that a copied build folder is not taken for up to date.
+/// From the package's folder, where build scripts run; relative, so that a copied build folder is not up to date by
+/// mistake.
 const LOCALIZER: &str = "../localizer/src";
 
 fn main() {

@@ -1,7 +1,8 @@
-//! How many subnormal numbers a drive meets: `cargo run --release -p experiments --example subnormal_share [SCENE] [PATH] [STEPS]`.
+//! Share of subnormal numbers in the field of a drive: `cargo run --release -p experiments --example subnormal_share
+//! [SCENE] [PATH] [STEPS]`.
 //!
-//! Prints, as the drive goes on, the share of the pressure's cells that hold a subnormal number, and at the end the share of
-//! all cell updates of the whole drive that these are, if no more come after the steps looked at.
+//! Prints, as the drive goes on, the share of the pressure's cells that hold a subnormal number, and at the end the
+//! share of all cell updates of the whole drive that these are, if no more come after the steps looked at.
 
 use std::path::PathBuf;
 

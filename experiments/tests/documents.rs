@@ -23,7 +23,7 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Adds the Markdown files below a folder, without what is built, cached or hidden.
+/// Adds the Markdown files below a folder, without built, cached or hidden folders.
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -49,7 +49,7 @@ fn documents() -> Vec<PathBuf> {
     files
 }
 
-/// The lines of a text that stand outside of fenced blocks, with their numbers from 1.
+/// The lines of a text outside of fenced blocks, with their numbers from 1.
 fn prose(text: &str) -> Vec<(usize, &str)> {
     let mut fenced = false;
     text.lines()
@@ -64,12 +64,12 @@ fn prose(text: &str) -> Vec<(usize, &str)> {
         .collect()
 }
 
-/// A line without what stands between backticks.
+/// A line without the text between backticks.
 fn without_code(line: &str) -> String {
     line.split('`').step_by(2).collect::<Vec<_>>().join("``")
 }
 
-/// Where the links of a line lead.
+/// Targets of the links of a line.
 fn links(line: &str) -> Vec<String> {
     let line = without_code(line);
     line.match_indices("](")
@@ -204,7 +204,8 @@ fn the_command_line_is_current() {
     );
 }
 
-/// Source files named in backticks with their path from the workspace's folder, but those that a reader is to write (`my_...`).
+/// Source files named in backticks with their path from the workspace's folder, except those that a reader writes
+/// (`my_...`).
 #[test]
 fn source_files_that_documents_name_exist() {
     let mut missing = Vec::new();

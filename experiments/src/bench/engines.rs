@@ -91,8 +91,8 @@ fn time(
     }
 }
 
-/// Measures all schemes and engines on one grid beside the `peaks` of as many threads (NaN where they were not measured);
-/// `report` gets each row as soon as it is measured.
+/// Measures all schemes and engines on one grid beside the `peaks` of as many threads (NaN where they were not
+/// measured); `report` gets each row as soon as it is measured.
 ///
 /// # Errors
 /// [`interrupt::Interrupted`] on request.

@@ -1,5 +1,5 @@
-//! Benchmarks: the field engines beside the peaks of the machine, the start of a field, where subnormal numbers are, and
-//! the steps of the localizer.
+//! Benchmarks: the field engines beside the peaks of the machine, the start of a field, where subnormal numbers are,
+//! and the steps of the localizer.
 
 pub mod engines;
 pub mod localizer;

@@ -1,4 +1,4 @@
-//! What the machine can do at most with some threads at once: the roofs of the roofline.
+//! Peak rates of the machine with some threads at once: the roofs of the roofline.
 
 use std::sync::Barrier;
 
@@ -6,7 +6,7 @@ use fdtd::field::probe;
 
 use crate::data::peaks::Peaks;
 
-/// Times that each probe is repeated; the best counts, because a peak is what nothing disturbed.
+/// Times that each probe is repeated; the best counts, because a peak is reached without disturbance only.
 const REPEATS: usize = 5;
 
 /// Measures `threads` threads at the same time.
@@ -19,7 +19,7 @@ pub fn measure(threads: usize) -> Peaks {
     }
 }
 
-/// The best sum of rates over some repeats; the threads start each together.
+/// The best sum of rates over some repeats, in each of which the threads start together.
 fn best(threads: usize, probe: impl Fn() -> f64 + Sync) -> f64 {
     let once = || {
         let start = Barrier::new(threads);

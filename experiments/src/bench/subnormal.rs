@@ -1,5 +1,5 @@
-//! Speed while the first wave front crosses a silent field, beside that of a field of normal numbers. Ahead of the front
-//! the field falls off through all magnitudes, and some processors take a hundred cycles for each operation on a
+//! Speed while the first wave front crosses a silent field, beside that of a field of normal numbers. Ahead of the
+//! front the field falls off through all magnitudes, and some processors take a hundred cycles for each operation on a
 //! subnormal number; quiet steps flush them ([`fdtd::field::is_quiet`]). The third measurement leaves the quiet steps
 //! out.
 

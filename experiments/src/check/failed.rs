@@ -3,7 +3,7 @@
 /// A check did not pass; its table has been printed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CheckFailed(
-    /// One line that says what failed.
+    /// One line that names the failure.
     pub String,
 );
 

@@ -18,7 +18,7 @@ pub(super) fn ours(judged: &Judged) -> String {
     }
 }
 
-/// The verdict, loud where a claim is not reproduced.
+/// The verdict, bold where a claim is not reproduced.
 pub(super) fn verdict(judged: &Judged) -> &'static str {
     match judged.verdict {
         Verdict::NotReproduced => "**not reproduced**",
@@ -26,7 +26,7 @@ pub(super) fn verdict(judged: &Judged) -> &'static str {
     }
 }
 
-/// How many claims got each verdict, in words.
+/// Number of claims with each verdict, as text.
 pub fn count(judged: &[Judged]) -> String {
     [
         Verdict::Reproduced,
@@ -67,7 +67,7 @@ pub fn table(judged: &[Judged]) -> String {
     aligned(&rows)
 }
 
-/// The report as Markdown: one table per paper, then how each number was found.
+/// The report as Markdown: one table per paper, then the way to each number.
 pub fn markdown(targets: &Targets, judged: &[Judged], summary: &Summary) -> String {
     let cell = |text: &str| text.replace('|', "\\|");
     let mut text = format!(

@@ -9,7 +9,7 @@ use super::targets::Target;
 /// Result of a claim in a summary.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Finding {
-    /// Our number, in words.
+    /// Our number as text.
     pub(super) ours: String,
     /// Its 95 % interval, where it has one.
     pub(super) interval: Option<[f64; 2]>,
@@ -131,7 +131,7 @@ pub(super) const RULES: &[(&str, Rule)] = &[
             found["single"]["final_m"].as_f64()?,
             found["spatial"]["final_m"].as_f64()?,
         );
-        // With a narrow gate no model loses the path: the verdict depends on it, so it stands beside it.
+        // With a narrow gate no model loses the path: the verdict depends on it, so it is shown too.
         let narrow = found["gates"]
             .as_array()?
             .iter()

@@ -1,7 +1,7 @@
 //! The papers' claims as data (`experiments/targets.json`).
 //!
-//! A claim is measured by a path into `summary.json` and a bound, or by a rule of the same id in [`super::rules`], or it
-//! cannot be tested and gives the reason.
+//! A claim is measured by a path into `summary.json` and a bound, or by a rule of the same id in [`super::rules`], or
+//! it cannot be tested and gives the reason.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ pub struct Targets {
     pub papers: BTreeMap<String, String>,
     /// Ids of the claims that README shows.
     pub shown: Vec<String>,
-    /// What has to be known to read the numbers, one sentence or two each.
+    /// Caveats to the numbers, one sentence or two each.
     pub caveats: Vec<String>,
     /// The claims.
     pub targets: Vec<Target>,
@@ -35,23 +35,23 @@ pub struct Target {
     pub paper: String,
     /// Figure, table or section.
     pub source: String,
-    /// What is claimed.
+    /// The claim.
     pub claim: String,
     /// The paper's number or word.
     pub claimed: String,
-    /// The number that ours is held against, in SI units unless the claim says otherwise; none for an order.
+    /// The number that ours is compared with, in SI units unless the claim gives another; `None` for an order.
     pub value: Option<f64>,
-    /// By how much ours may miss it.
+    /// Greatest difference of ours that passes.
     pub tolerance: f64,
-    /// Why this value and tolerance.
+    /// The reason for this value and tolerance.
     pub why: String,
-    /// Trials that are asked for; none where there is nothing to repeat.
+    /// Trials that are required; `None` where there is nothing to repeat.
     pub trials: Option<usize>,
-    /// How ours is found.
+    /// The way to our number.
     pub measure: Measure,
 }
 
-/// How our number is found.
+/// The way to our number.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, deny_unknown_fields)]
 pub enum Measure {
@@ -62,14 +62,14 @@ pub enum Measure {
         /// On which side of the value ours has to lie.
         bound: Bound,
     },
-    /// The rule of the same id in the program, and what it does.
+    /// The rule of the same id in the program.
     Rule {
-        /// What it does, in words.
+        /// Description of the rule.
         rule: String,
     },
-    /// Not at all.
+    /// The claim cannot be tested.
     Untestable {
-        /// Why.
+        /// The reason.
         untestable: String,
     },
 }

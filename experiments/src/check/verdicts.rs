@@ -28,7 +28,7 @@ pub struct Judged {
     /// The claim.
     #[serde(flatten)]
     pub target: Target,
-    /// Our number in words, or why there is none.
+    /// Our number as text, or the reason why there is none.
     pub ours: String,
     /// Its 95 % interval.
     pub interval: Option<[f64; 2]>,

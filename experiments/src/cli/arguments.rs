@@ -7,7 +7,7 @@ use localizer::Parameters;
 
 use crate::recordings::spec::{Engine, IMAGE_ORDER};
 
-/// What computes the sound.
+/// Engine that computes the sound.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(super) struct EngineArguments {
     /// What computes the sound: the field, or image sources (approximate, seconds).
@@ -23,14 +23,15 @@ impl EngineArguments {
     pub(super) fn image_order(&self) -> Result<usize> {
         if let (Engine::Fdtd, Some(order)) = (self.engine, self.image_order) {
             bail!(
-                "--image-order {order}: is for image sources, the field has all reflections; add --engine image-source or leave it out"
+                "--image-order {order}: is for image sources, the field has all reflections; add --engine \
+                image-source or leave it out"
             );
         }
         Ok(usize::from(self.image_order.unwrap_or(IMAGE_ORDER)))
     }
 }
 
-/// Where the parameters of the localizer come from.
+/// Parameters of the localizer.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ParameterArguments {
     /// JSON file with parameters of the localizer; those it leaves out keep the paper's values.
@@ -49,7 +50,7 @@ impl ParameterArguments {
     }
 }
 
-/// A spelling in files (`slf`, `kaiser8`) as an argument.
+/// Reads an argument by its spelling in files (`slf`, `kaiser8`).
 pub(super) fn named<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
     serde_json::from_value(serde_json::Value::String(text.to_string()))
         .map_err(|error| error.to_string())

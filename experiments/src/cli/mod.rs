@@ -61,10 +61,10 @@ enum Command {
 }
 
 impl Cli {
-    /// Does what was asked for.
+    /// Runs the command.
     ///
     /// # Errors
-    /// One error that says what was wrong with which file; [`crate::check::CheckFailed`] and
+    /// An error that names file, field and remedy; [`crate::check::CheckFailed`] and
     /// [`crate::run::interrupt::Interrupted`] have exit codes of their own.
     pub fn run(self) -> Result<()> {
         let json = self.json;

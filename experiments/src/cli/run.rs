@@ -20,7 +20,8 @@ use crate::summary::table;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot run --preset paper\n  echolot run odometry-drift snr --preset paper\n\n\
-    Recordings and trials are cached: what is there is not computed again, and an interrupted run goes on where it stopped. \
+    Recordings and trials are cached: what is there is not computed again, and an interrupted run goes on where \
+    it stopped. \
     `echolot list` names the studies."
 )]
 pub(crate) struct Arguments {
@@ -41,7 +42,8 @@ pub(crate) struct Arguments {
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
-    /// Simulations that run side by side, each on its share of the threads [default: one or two, measured at the start].
+    /// Simulations that run side by side, each on its share of the threads [default: one or two, measured at the
+    /// start].
     #[arg(long, value_name = "N")]
     side_by_side: Option<usize>,
     /// Leave out the figures.

@@ -14,7 +14,8 @@ use crate::recordings::impulse_snapshot;
 /// Arguments of `scene`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  echolot scene check scenes/four_walls.json\n  echolot scene draw scenes/four_walls.json -o scene.png"
+    after_help = "Example:\n  echolot scene check scenes/four_walls.json\n  echolot scene draw \
+    scenes/four_walls.json -o scene.png"
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -82,7 +83,7 @@ impl Arguments {
     }
 }
 
-/// Prints what a scene holds.
+/// Prints the contents of a scene.
 fn check(scene: &Scene, json: bool) -> Result<()> {
     let [width_m, height_m] = scene.grid.size_m();
     let courant = scene.grid.courant(&scene.medium);

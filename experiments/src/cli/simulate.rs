@@ -27,7 +27,8 @@ use crate::schedule;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot simulate scenes/quick.json --path localization -o recordings/quick\n\n\
-    An interrupted simulation leaves a checkpoint beside the recording; the same command with --resume goes on and gives the same bytes."
+    An interrupted simulation leaves a checkpoint beside the recording; the same command with --resume goes on \
+    and gives the same bytes."
 )]
 pub(crate) struct Arguments {
     /// The scene file.
@@ -41,7 +42,8 @@ pub(crate) struct Arguments {
     /// Leave out the walls: the direct wave alone. Fast, for the field is only that around the robot.
     #[arg(long)]
     free_field: bool,
-    /// Simulate all of the scene's domain. Else the absorbing layer begins where walls and drive end; the air beyond them is not heard.
+    /// Simulate all of the scene's domain. Else the absorbing layer begins where walls and drive end; the air beyond
+    /// them is not heard.
     #[arg(long)]
     whole_domain: bool,
     /// Simulate the drive without walls too and write it as direct.wav.
@@ -61,8 +63,9 @@ pub(crate) struct Arguments {
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
-    /// Let the air absorb sound (ISO 9613-1), each echo by its own way. The drive is simulated a second time with its sound stamped by the time
-    /// of sending, which tells the ways. Needs a scene whose medium is given by temperature and humidity, or --temperature and --humidity.
+    /// Let the air absorb sound (ISO 9613-1), each echo by its own way. The drive is simulated a second time with its
+    /// sound stamped by the time of sending, which tells the ways. Needs a scene whose medium is given by temperature
+    /// and humidity, or --temperature and --humidity.
     #[arg(long)]
     absorption: bool,
     /// Temperature for --absorption, degC, where the scene's medium is plain numbers.
@@ -83,13 +86,13 @@ pub(crate) struct Arguments {
     /// Steady error of the odometry's turn rate, rad/s.
     #[arg(long, default_value_t = ODOMETRY_BIAS_RADPS, value_name = "RAD_PER_S", allow_hyphen_values = true)]
     odometry_bias: f64,
-    /// Robot whose slipping wheels, microphone noise, 16-bit converter and clocks the recording gets, instead of the steady error;
-    /// see experiments/robots.
+    /// Robot whose slipping wheels, microphone noise, 16-bit converter and clocks the recording gets, instead of the
+    /// steady error; see experiments/robots.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["odometry_bias", "free_field"])]
     robot: Option<PathBuf>,
 }
 
-/// A wall model by its name in scene files, or with a dash as names on the command line have.
+/// A wall model by its name in scene files, or with dashes as on the command line.
 fn wall_model(text: &str) -> Result<WallModel, String> {
     named(&text.replace('-', "_"))
 }
@@ -121,10 +124,12 @@ impl Arguments {
         match (self.temperature.zip(self.humidity), scene.air) {
             _ if !self.absorption => Ok(None),
             (Some(_), Some(_)) => bail!(
-                "--temperature: {file} has a temperature and a humidity of its own; leave out --temperature and --humidity"
+                "--temperature: {file} has a temperature and a humidity of its own; leave out --temperature and \
+                --humidity"
             ),
             (None, None) => bail!(
-                "--absorption: the medium of {file} has no temperature and humidity; give --temperature and --humidity, or both in the scene"
+                "--absorption: the medium of {file} has no temperature and humidity; give --temperature and \
+                --humidity, or both in the scene"
             ),
             (None, air) => Ok(air),
             (Some((temperature_degc, relative_humidity_percent)), None) => {
@@ -230,7 +235,7 @@ impl Arguments {
             Ok(signal)
         };
         let mut leftovers = Vec::new();
-        // One drive, with the air's absorption where that is asked for.
+        // One drive, with absorption by the air when requested.
         let mut simulate = |spec: &RecordingSpec,
                             name: &str,
                             pictures: Option<&(PathBuf, f64)>|

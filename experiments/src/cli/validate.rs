@@ -16,7 +16,9 @@ use crate::validate::{self, Resume};
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot validate --full\n  echolot validate --full echoes impedance\n\n\
-    Exits with 1 when a measurement is outside its tolerance. Without LAW writes results/validation: validation.json, table.md, data and figures; interrupted, the same command goes on after the laws that were measured."
+    Exits with 1 when a measurement is outside its tolerance. Without LAW writes results/validation: \
+    validation.json, table.md, data and figures; interrupted, the same command goes on after the laws that were \
+    measured."
 )]
 pub(crate) struct Arguments {
     /// Only laws whose name contains one of these; writes no files.
@@ -78,7 +80,7 @@ impl Arguments {
         Ok(())
     }
 
-    /// The laws asked for, in their order; all when none is named.
+    /// The requested laws, in their order; all when none is named.
     fn chosen(&self) -> Result<Vec<Law>> {
         for part in &self.laws {
             if !LAWS.iter().any(|law| law.name.contains(part.as_str())) {

@@ -1,4 +1,4 @@
-//! Files and folders that appear whole or not at all: written beside their place and renamed.
+//! Files and folders that appear whole or not at all: written under a temporary name and renamed.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,7 +15,7 @@ fn temporary_beside(path: &Path) -> PathBuf {
     path.with_file_name(format!(".tmp-{}-{serial}-{name}", std::process::id()))
 }
 
-/// Makes the folder in which `path` lies.
+/// Creates the folder of `path`.
 fn make_parent(path: &Path) -> Result<()> {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => {
@@ -25,10 +25,10 @@ fn make_parent(path: &Path) -> Result<()> {
     }
 }
 
-/// Writes `bytes` to `path`, making its folder.
+/// Writes `bytes` to `path`; creates its folder.
 ///
 /// # Errors
-/// When the folder cannot be made or the file cannot be written.
+/// When the folder cannot be created or the file cannot be written.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     write_with(path, |temporary| Ok(std::fs::write(temporary, bytes)?))
 }

@@ -1,4 +1,4 @@
-//! The cache: recordings and trials, found again by a hash of all that determines them.
+//! The cache: recordings and trials by a hash of all that determines them.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ pub struct Key {
 }
 
 impl Key {
-    /// A key for things of this kind.
+    /// A key for entries of this kind.
     pub fn new(kind: &str) -> Self {
         let mut key = Self {
             hash: Sha256::new(),
@@ -50,10 +50,10 @@ impl Key {
         }
     }
 
-    /// Adds anything that serializes.
+    /// Adds a value as JSON.
     ///
     /// # Errors
-    /// When it does not.
+    /// When the value does not serialize.
     pub fn value(&mut self, name: &str, value: &impl Serialize) -> Result<()> {
         self.text(name, &serde_json::to_string(value)?);
         Ok(())
@@ -78,14 +78,14 @@ pub fn hash_of_samples(samples: &[f32]) -> String {
     key.finish()
 }
 
-/// A folder of cached things.
+/// A folder of cached recordings and values.
 #[derive(Debug, Clone)]
 pub struct Cache {
     folder: PathBuf,
 }
 
 impl Cache {
-    /// The cache in `folder`, which is made when something is put into it.
+    /// The cache in `folder`, which is created with its first entry.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
         Self {
             folder: folder.into(),
@@ -108,7 +108,7 @@ impl Cache {
         self.folder.join(kind).join(format!("{key}.json"))
     }
 
-    /// A cached value, if it is there and whole.
+    /// A cached value; `None` when it is missing or damaged.
     pub fn get<T: DeserializeOwned>(&self, kind: &str, key: &str) -> Option<T> {
         let text = std::fs::read_to_string(self.entry(kind, key)).ok()?;
         serde_json::from_str(&text).ok()
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_are_stable_and_tell_names_from_values() {
+    fn keys_are_stable_and_separate_names_from_values() {
         let build = |parts: &[(&str, &str)]| {
             let mut key = Key::new("test");
             for (name, value) in parts {
@@ -144,12 +144,12 @@ mod tests {
             build(&[("a", "b"), ("c", "d")]),
             build(&[("c", "d"), ("a", "b")])
         );
-        // Written down: a change of this value makes every cache useless.
+        // Another length or hash would invalidate every cache.
         assert_eq!(build(&[("a", "b")]).len(), 20);
     }
 
     #[test]
-    fn the_cache_gives_back_what_was_put_and_forgets_what_is_broken() {
+    fn the_cache_returns_values_and_ignores_damaged_entries() {
         let folder = tempfile::tempdir().unwrap();
         let cache = Cache::new(folder.path());
         assert_eq!(cache.get::<Vec<f64>>("trials", "k"), None);

@@ -214,7 +214,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_read() {
+    fn tables_are_read_as_written() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("data/a.csv");
         let mut table = Table::new(["method", "mae_m"]);

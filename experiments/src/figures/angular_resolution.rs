@@ -1,4 +1,4 @@
-//! Angular resolution over the number of periods M: the bank's answer to one exact echo, and its half-power width
+//! Angular resolution over the number of periods M: the bank's response to one exact echo, and its half-power width
 //! beside theory.
 
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::legend::{Entry, legend};
 use super::style::periods_style;
 use crate::data::table::Table;
 
-/// What is to be seen: by how much, at most, the measured widths differ from theory, both over the periods.
+/// The title: by how much, at most, the measured widths differ from theory, both over the periods.
 fn title(measured: &[(f64, f64)], theory: &[(f64, f64)]) -> String {
     let pairs = measured.iter().zip(theory);
     let worst = pairs

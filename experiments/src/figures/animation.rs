@@ -47,7 +47,8 @@ pub fn animate(folder: &Path) -> Result<Option<PathBuf>> {
             let (own_width, own_height, pixels) = read(picture)?;
             ensure!(
                 (own_width, own_height) == (width, height),
-                "{}: {own_width} x {own_height} pixels, the first picture has {width} x {height}; use a folder for each simulation",
+                "{}: {own_width} x {own_height} pixels, the first picture has {width} x {height}; use a folder \
+                for each simulation",
                 picture.display()
             );
             writer.write_image_data(&pixels)?;

@@ -113,7 +113,7 @@ impl<'a> Axes<'a> {
             .text(title, [middle[0], top - 14.0], (0, -1), LABEL, true, false)
     }
 
-    /// Cuts a curve at the frame: the pieces inside, in pixels.
+    /// Cuts a curve at the frame: its parts inside, in pixels.
     fn inside(&self, points: &[(f64, f64)]) -> Vec<Vec<[f64; 2]>> {
         let [left, top, right, bottom] = self.frame;
         let mut pieces: Vec<Vec<[f64; 2]>> = vec![Vec::new()];
@@ -260,7 +260,7 @@ impl<'a> Axes<'a> {
         Ok(())
     }
 
-    /// Draws a colour bar right of the frame. A tip at its lower or upper end says that the image has values `beyond`
+    /// Draws a colour bar right of the frame. A tip at its lower or upper end marks that the image has values `beyond`
     /// the scale there, drawn in the colour of that end.
     ///
     /// # Errors

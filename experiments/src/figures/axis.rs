@@ -7,9 +7,9 @@ pub struct Axis {
     pub low: f64,
     /// Value at the right or upper end.
     pub high: f64,
-    /// What it shows, with unit.
+    /// Quantity, with unit.
     pub label: String,
-    /// Whether `low`, `high` and the data are decimal logarithms of what the ticks show.
+    /// Whether `low`, `high` and the data are decimal logarithms of the ticks' values.
     logarithmic: bool,
 }
 

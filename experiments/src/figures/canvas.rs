@@ -22,7 +22,7 @@ pub const LABEL: f64 = 31.0;
 /// Size of titles in pixels.
 pub const TITLE: f64 = 37.0;
 
-/// How a line is drawn.
+/// Style of a line.
 #[derive(Debug, Clone, Copy)]
 pub struct Stroke {
     /// Colour.
@@ -76,7 +76,7 @@ pub enum Marker {
     OpenDiamond,
 }
 
-/// Where a text stands relative to its point: -1 left of / above it, 0 centred, 1 right of / below it.
+/// Place of a text relative to its point: -1 left of / above it, 0 centred, 1 right of / below it.
 pub type Anchor = (i8, i8);
 
 /// A drawing surface of `width` x `height` pixels, origin at the upper left.
@@ -92,7 +92,7 @@ pub struct Canvas {
 /// Draws a figure of `width` x `height` pixels into `path`, which is replaced only when all went well.
 ///
 /// # Errors
-/// What `paint` returns, or when the file cannot be written.
+/// The error of `paint`, or when the file cannot be written.
 pub fn draw(
     path: &Path,
     width: u32,

@@ -1,5 +1,5 @@
-//! Colours: the palette of Okabe and Ito, which colour-blind readers can tell apart, and a ramp of even lightness steps
-//! for images.
+//! Colours: the palette of Okabe and Ito, which colour-blind readers can distinguish, and a ramp of even lightness
+//! steps for images.
 
 use plotters::style::RGBColor;
 
@@ -17,7 +17,7 @@ pub const GREEN: RGBColor = RGBColor(0, 158, 115);
 pub const SKY: RGBColor = RGBColor(86, 180, 233);
 /// Reddish purple.
 pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
-/// Grey for what stands back.
+/// Grey for the background.
 pub const GREY: RGBColor = RGBColor(130, 130, 130);
 /// Light grey for grid lines and areas.
 pub const LIGHT: RGBColor = RGBColor(222, 222, 222);

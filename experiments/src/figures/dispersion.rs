@@ -1,4 +1,4 @@
-//! How fast sound travels on the grid: error of phase and group velocity over frequency, by direction, per scheme.
+//! Speed of sound on the grid: error of phase and group velocity over frequency, by direction, per scheme.
 
 use std::path::Path;
 

@@ -17,7 +17,7 @@ use crate::metrics::mean;
 /// Side of the square that the receivers stand at the corners of, metres.
 const SITE_M: f64 = 4.0;
 
-/// Where a test point is and how far off it is found, in metres and millimetres.
+/// A test point in metres and its error in millimetres.
 type Found = ([f64; 2], [f64; 2]);
 
 /// Test points and errors of a method.
@@ -139,7 +139,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             for (row, y_m) in rows.iter().rev().enumerate() {
                 let left = 150.0 + pitch[0] * column as f64;
                 let top = top + pitch[1] * row as f64;
-                // Labels stand at the outer frames alone.
+                // Only the outer frames have labels.
                 let [x_label, y_label] = [
                     (row + 1 == rows.len(), "error in x [mm]"),
                     (column == 0, "error in y [mm]"),

@@ -13,7 +13,7 @@ use crate::data::layout::Layout;
 use crate::data::table::Table;
 use crate::metrics::mean;
 
-/// What is to be seen, from the mean errors in metres of odometry and of Doppler bearings.
+/// The title, from the mean errors in metres of odometry and of Doppler bearings.
 fn title(odometry_m: f64, doppler_m: f64) -> String {
     if doppler_m <= 0.5 * odometry_m {
         "Echoes with Doppler bearings hold the path that odometry loses".to_string()

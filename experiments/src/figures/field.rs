@@ -1,4 +1,4 @@
-//! The sound field of a scene at one moment after a short burst: wave fronts, echoes, and what bends round the ends of
+//! The sound field of a scene at one moment after a short burst: wave fronts, echoes, and diffraction at the ends of
 //! walls.
 
 use std::path::Path;

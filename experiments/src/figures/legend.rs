@@ -8,11 +8,11 @@ use super::canvas::{Canvas, LABEL, Marker, Stroke};
 /// An entry of a legend.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// How the curve is drawn; no line when `None`.
+    /// Style of the line; `None` for no line.
     pub stroke: Option<Stroke>,
     /// Its marker and colour.
     pub marker: Option<(Marker, RGBColor)>,
-    /// What it is.
+    /// Name of the curve.
     pub text: String,
 }
 

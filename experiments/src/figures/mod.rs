@@ -157,7 +157,7 @@ const SITE_FIGURES: &[Figure] = &[
     },
 ];
 
-/// What became of a figure.
+/// Outcome of a figure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Drawn {
     /// It was drawn into this file.

@@ -20,7 +20,7 @@ use crate::metrics::mean;
 /// Mean error of model (c) in the paper's experiment, metres.
 const PAPER_M: f64 = 0.085;
 
-/// How a model is drawn, and its name.
+/// Style of a model's line, and its name.
 fn style(method: &str) -> (Stroke, &'static str) {
     match method {
         "single" => (
@@ -77,7 +77,7 @@ fn mean_errors_of(table: &Table, methods: &[&str]) -> Result<String> {
 /// Mean errors of a model over the gate: its name, and gate, mean and interval in metres.
 type OverGates<'a> = (&'a str, Vec<(f64, f64, [f64; 2])>);
 
-/// What is to be seen: up to which gate each model stays below the paper's error.
+/// The title: up to which gate each model stays below the paper's error.
 fn gates_title(cells: &[OverGates<'_>]) -> String {
     let parts: Vec<String> = cells
         .iter()

@@ -29,7 +29,7 @@ pub(crate) fn draw_site(data: &Path, picture: &Path) -> Result<()> {
     draw_with(data, picture, 0.1)
 }
 
-/// Draws the errors beside what the paper stays below from 3 dB on, metres.
+/// Draws the errors beside the paper's bound from 3 dB on, metres.
 fn draw_with(data: &Path, picture: &Path, limit_m: f64) -> Result<()> {
     let table = Table::read(&data.join("snr.csv"))?;
     let cells = means_by(&table, "snr_db", "mae_m")?;

@@ -15,7 +15,7 @@ use super::style::{method_style, periods_style};
 use crate::data::layout::Layout;
 use crate::data::table::Table;
 
-/// What is to be seen: whether more periods do better, from numbers of periods and mean errors in metres.
+/// The title: whether more periods do better, from numbers of periods and mean errors in metres.
 fn title(cells: &[(f64, f64)]) -> String {
     let by_periods = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
     match (
@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_title_says_what_the_numbers_say() {
+    fn the_title_follows_from_the_numbers() {
         assert_eq!(
             title(&[(6.0, 0.028), (1.0, 0.083), (8.0, 0.03)]),
             "8 periods in a block in place of 1 lower the mean error: 0.083 to 0.030 m"

@@ -13,7 +13,7 @@ use crate::data::layout::Layout;
 use crate::data::table::Table;
 use crate::metrics::quantile;
 
-/// Where the pixels of `map.npy` lie, as written to `map.json` of the data folder.
+/// Positions of the pixels of `map.npy`, as written to `map.json` of the data folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MapPlace {
     /// Centre of the pixel at row 0, column 0, metres.
@@ -25,7 +25,7 @@ pub(crate) struct MapPlace {
 /// Quantiles of the pixels in the frame at which the colour scale begins and ends.
 const CUT: [f64; 2] = [0.05, 0.995];
 
-/// What the ends of the colour scale leave out: shares of the `values` (of their maximum) below and above it.
+/// Shares of the `values` (of their maximum) below and above the ends of the colour scale.
 fn cut_note(values: &[f64], scale: [f64; 2]) -> String {
     let share = |out: &dyn Fn(f64) -> bool| {
         let count = values.iter().filter(|value| out(**value)).count();
@@ -90,7 +90,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             [low[0], low[0] + columns as f64 * place.cell_m],
             [low[1], low[1] + rows as f64 * place.cell_m],
         ];
-        // Only what is shown counts for the scale: the map reaches far beyond the room.
+        // Only pixels within the frame count for the scale: the map reaches far beyond the room.
         let inside = |axis: usize, index: usize| {
             let centre = place.origin_m[axis] + index as f64 * place.cell_m;
             (0.0..=layout.size_m[axis]).contains(&centre)
@@ -130,7 +130,7 @@ mod tests {
     use super::cut_note;
 
     #[test]
-    fn the_note_counts_what_the_colours_cut() {
+    fn the_note_counts_the_pixels_beyond_the_scale() {
         assert_eq!(
             cut_note(&[0.0, 0.2, 0.3, 0.4, 1.0], [0.1, 0.4]),
             "colours end: 20.0 % of pixels lower, 20.0 % higher, to 1.00"

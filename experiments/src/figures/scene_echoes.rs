@@ -102,7 +102,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     })
 }
 
-/// Which walls stand, and how their echoes are marked.
+/// Selections of walls, and the markers of their echoes.
 fn marks() -> [(&'static str, Marker, plotters::style::RGBColor); 2] {
     [
         ("pair along the grid", Marker::Disc, colour::BLUE),

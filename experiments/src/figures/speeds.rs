@@ -1,4 +1,4 @@
-//! Figures 5 and 12: speeds of the localization drive, true and as the wheels report them.
+//! Figures 5 and 12: speeds of the localization drive, true and from the wheels.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use super::legend::{Entry, legend};
 use crate::data::table::Table;
 use crate::metrics::mean;
 
-/// What is to be seen, from bias and spread of the error of the turn rate in rad/s, counter-clockwise positive.
+/// The title, from bias and spread of the error of the turn rate in rad/s, counter-clockwise positive.
 fn title(bias: f64, spread: f64) -> String {
     let way = if bias < 0.0 {
         "clockwise"
@@ -92,7 +92,7 @@ mod tests {
     use super::title;
 
     #[test]
-    fn the_title_says_which_way_the_odometry_errs() {
+    fn the_title_names_the_direction_of_the_error() {
         assert_eq!(
             title(0.01, 0.0),
             "Wheel odometry turns 0.010 rad/s too far counter-clockwise during the whole drive"

@@ -12,7 +12,7 @@ use super::legend::{Entry, legend};
 use crate::data::table::Table;
 use crate::metrics::{cumulative_distribution, quantile};
 
-/// What is to be seen: the slowest bank and the slowest filter together, beside the time between two steps if it is
+/// The title: the slowest bank and the slowest filter together, beside the time between two steps if it is
 /// known, all in milliseconds.
 fn title(slowest_bank: f64, slowest_filter: f64, period: Option<f64>) -> String {
     let slowest = slowest_bank + slowest_filter;

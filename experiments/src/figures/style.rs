@@ -1,11 +1,11 @@
-//! How localization methods and numbers of periods are drawn, the same in every figure.
+//! Styles of localization methods and numbers of periods, the same in every figure.
 
 use plotters::style::RGBColor;
 
 use super::canvas::{Marker, Stroke};
 use super::colour;
 
-/// How a localization method is drawn in every figure: line, marker colour and name.
+/// Style of a localization method: line, marker colour and name.
 pub(super) fn method_style(method: &str) -> (Stroke, &'static str) {
     let line = |colour: RGBColor, width| Stroke::solid(colour, width);
     match method {
@@ -22,7 +22,7 @@ pub(super) fn method_style(method: &str) -> (Stroke, &'static str) {
     }
 }
 
-/// How a number of periods is drawn, the same in every figure; only those of the paper's Fig. 2 have lines.
+/// Style of a number of periods; only those of the paper's Fig. 2 have lines.
 pub(super) fn periods_style(periods: &str) -> Option<(Stroke, Marker)> {
     let dashes = |colour, pattern| Stroke::solid(colour, 4.5).dashed(pattern);
     match periods {

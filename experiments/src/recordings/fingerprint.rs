@@ -31,8 +31,8 @@ const SOFT_WALLS: &str = r#"[
     "branches": [{"resistance_pasm": 90, "compliance_mppa": 4e-8}]}
 ]"#;
 
-/// Drive of the probe scene for a recording. A free field takes one that is long enough for two segments, which determine
-/// the samples too.
+/// Drive of the probe scene for a recording. A free field takes one that is long enough for two segments, which
+/// determine the samples too.
 fn probe_path(spec: &RecordingSpec) -> &'static str {
     match (spec.engine, spec.free_field) {
         (Engine::Fdtd, true) => "free",

@@ -11,8 +11,8 @@ use crate::data::cache::Key;
 const PATH_STEP_S: f64 = 0.01;
 
 /// Key of the recording `spec` of `scene`. `fingerprint` stands for the engine's code (see
-/// [`super::fingerprint::engine_fingerprint`]). Names and descriptions do not enter, nor the spelling of a path, only its
-/// course.
+/// [`super::fingerprint::engine_fingerprint`]). Names and descriptions do not enter, nor the spelling of a path, only
+/// its course.
 ///
 /// # Errors
 /// When the scene has no such path.

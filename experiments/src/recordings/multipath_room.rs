@@ -1,7 +1,8 @@
-//! The experiment of the 2021 multipath paper in simulation: a room, a drive, what its microphone hears and what its wheels say.
+//! The experiment of the 2021 multipath paper in simulation: a room, a drive, the microphone's signal and the odometry
+//! of the wheels.
 //!
-//! Signals come from three-dimensional image sources of third order, one more than any of the models knows. The paper shows its room as a
-//! picture only: size, drive, heights, reflection factor, noise and slip below are assumptions.
+//! Signals come from three-dimensional image sources of third order, one more than any of the models has. The paper
+//! shows its room as a picture only: size, drive, heights, reflection factor, noise and slip below are assumptions.
 
 use anyhow::{Context, Result};
 use fdtd::motion::{DriveLimits, DrivePath, Leg, MotionState};
@@ -29,25 +30,25 @@ pub const HEIGHTS_M: [f64; 2] = [0.3, 0.4];
 const REFLECTION: f64 = 0.85;
 /// Reflections of the simulated sound.
 const ORDER: usize = 3;
-/// Length of the sound that stands for the code in the cache's key, seconds.
+/// Length of the signal whose hash enters the cache's key, seconds.
 const PRINT_S: f64 = 0.25;
 /// Power of the echoes over that of the microphone's noise, decibels.
 const SNR_DB: f64 = 20.0;
 /// Rate of wheel readings and truth, hertz.
 const WHEEL_RATE_HZ: f64 = 50.0;
 
-/// How much the wheels slip: standard deviations.
+/// Slip of the wheels: standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Slip {
-    /// Share of the speed that a whole drive is wrong by.
+    /// Constant error of a drive's speed over the speed.
     v_share: f64,
-    /// Turn rate that a whole drive is wrong by, rad/s.
+    /// Constant error of a drive's turn rate, rad/s.
     omega_radps: f64,
-    /// Changing part of the speed, m/s.
+    /// Varying error of the speed, m/s.
     v_noise_mps: f64,
-    /// Changing part of the turn rate, rad/s.
+    /// Varying error of the turn rate, rad/s.
     omega_noise_radps: f64,
-    /// Time over which the changing parts are alike, seconds.
+    /// Correlation time of the varying errors, seconds.
     time_s: f64,
 }
 
@@ -103,7 +104,7 @@ fn drive() -> Result<DrivePath> {
     Ok(DrivePath::from_legs(start, &legs, DriveLimits::default())?)
 }
 
-/// What the microphone hears on the drive, with echoes and without: from the cache, or simulated and put there.
+/// The microphone's signal of the drive with echoes and without: from the cache, or simulated and put there.
 fn sounds(
     cache: &Cache,
     room: &Room,
@@ -149,11 +150,11 @@ fn sounds(
     let tenths = (10.0 * drive.duration_s()) as u32;
     let course = (0..=tenths).flat_map(|tenth| at(0.1 * f64::from(tenth), 0.0));
     key.numbers("course", &course.collect::<Vec<f64>>());
-    // Stands for the code, as the engines' print does.
+    // Stands for the code, as the engines' fingerprint does.
     let print = sounds(PRINT_S).map(|sound| hash_of_samples(&sound));
     key.value("print", &print)?;
     let key = key.finish();
-    // Kept as bits, which a file of decimal digits gives back exactly.
+    // As bits, which decimal digits represent exactly.
     if let Some(bits) = cache.get::<[Vec<u32>; 2]>("rooms", &key) {
         return Ok(bits.map(|bits| bits.into_iter().map(f32::from_bits).collect()));
     }
@@ -165,7 +166,7 @@ fn sounds(
 }
 
 impl Site {
-    /// The sound of the drive: from the cache, or simulated and put there.
+    /// The signals of the drive: from the cache, or simulated and put there.
     ///
     /// # Errors
     /// When the room or the drive is refused, or the cache cannot be written.

@@ -4,7 +4,7 @@ use localizer::random;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
-/// White noise added to a recording. Noises of one number are the same samples, whatever their level.
+/// White noise added to a recording. Noises of one number have the same samples at every level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Noise {
     /// Ratio of the power of the reflected signal to that of the noise, decibels.
@@ -22,7 +22,8 @@ impl Noise {
             .collect()
     }
 
-    /// What its samples are to be multiplied with, so that `snr_db` is the ratio of the power of `signal - direct` (eq. (20)) to theirs (eq. (21)).
+    /// Factor of the samples with which `snr_db` is the ratio of the power of `signal - direct` (eq. (20)) to theirs
+    /// (eq. (21)).
     pub fn level(&self, signal: &[f32], direct: &[f32], samples: &[f64]) -> f64 {
         let reflected: f64 = signal
             .iter()
@@ -33,7 +34,7 @@ impl Noise {
         (reflected / power.max(f64::MIN_POSITIVE) / 10_f64.powf(0.1 * self.snr_db)).sqrt()
     }
 
-    /// Adds it to a signal whose direct wave is `direct`.
+    /// Adds the noise to a signal whose direct wave is `direct`.
     pub fn add_to(&self, signal: &mut [f32], direct: &[f32]) {
         let samples = self.samples(signal.len());
         let level = self.level(signal, direct, &samples);

@@ -47,8 +47,8 @@ pub fn note_air(recording: &mut Recording, air: &Air) {
     });
 }
 
-/// The recording of a drive with this signal: biased odometry, truth, waveform and provenance. `seconds` is the time that
-/// the simulation took.
+/// The recording of a drive with this signal: biased odometry, truth, waveform and provenance. `seconds` is the time
+/// that the simulation took.
 ///
 /// # Errors
 /// When the scene has no such path.

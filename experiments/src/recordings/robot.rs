@@ -1,4 +1,4 @@
-//! What a real robot's instruments add to a simulated drive: slip of the wheels and noise of the microphone.
+//! A real robot's instruments on a simulated drive: slip of the wheels, noise of the microphone, clocks.
 //!
 //! The wheels slip by a constant and a coloured share of the way, so that a robot at rest reports rest:
 //!
@@ -7,9 +7,9 @@
 //! omega_wheels = omega + |v| (drift_radpm + n_omega)   n_omega: radians per metre driven
 //! ```
 //!
-//! n_v and n_omega are first-order Gauss-Markov (Ornstein-Uhlenbeck) processes: normal, zero mean, standard deviation `sigma`,
-//! autocorrelation `exp(-|t| / correlation_s)`. At 0.3 m/s a drift of 0.035 rad/m is the steady 0.01 rad/s of the paper's simulation.
-//! The microphone's own noise, epsilon of eq. (22), is white.
+//! n_v and n_omega are first-order Gauss-Markov (Ornstein-Uhlenbeck) processes: normal, zero mean, standard deviation
+//! `sigma`, autocorrelation `exp(-|t| / correlation_s)`. At 0.3 m/s a drift of 0.035 rad/m is the steady 0.01 rad/s of
+//! the paper's simulation. The microphone's own noise, epsilon of eq. (22), is white.
 
 use std::path::Path;
 
@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 pub struct ColouredNoise {
     /// Standard deviation.
     pub sigma: f64,
-    /// Time over which it forgets, seconds.
+    /// Correlation time, seconds.
     pub correlation_s: f64,
 }
 
@@ -39,13 +39,13 @@ pub struct ColouredNoise {
 pub struct Robot {
     /// Rate of the wheel log, Hz.
     pub odometry_rate_hz: f64,
-    /// What the wheel log's clock shows at the first sample of the signal, seconds.
+    /// Reading of the wheel log's clock at the first sample of the signal, seconds.
     pub odometry_clock_s: f64,
     /// Rate of the tracking system, Hz.
     pub tracking_rate_hz: f64,
-    /// What the tracking system's clock shows at the first sample of the signal, seconds.
+    /// Reading of the tracking system's clock at the first sample of the signal, seconds.
     pub tracking_clock_s: f64,
-    /// Share by which the wheels report too much speed.
+    /// Excess of the reported speed over the true speed, as a share of it.
     pub speed_share: f64,
     /// Noise of that share.
     pub speed_noise: ColouredNoise,
@@ -89,7 +89,7 @@ impl Robot {
         Ok(robot)
     }
 
-    /// Refuses what cannot be used.
+    /// Refuses values that cannot be used.
     fn check(&self) -> Result<()> {
         for (field, value) in [
             ("odometry_rate_hz", self.odometry_rate_hz),
@@ -117,7 +117,7 @@ impl Robot {
         Ok(())
     }
 
-    /// What the wheels report of a drive. `name` keeps the noise of different drives apart.
+    /// Odometry of a drive as the wheels report it. `name` selects the noise, which differs between drives.
     pub fn odometry(&self, path: &DrivePath, name: &str) -> Vec<OdometrySample> {
         let rate = self.odometry_rate_hz;
         let count = (path.duration_s() * rate).ceil() as usize + 1;
@@ -156,7 +156,7 @@ impl Robot {
         }
     }
 
-    /// What the tracking system reports of a drive: true poses at its own rate.
+    /// Truth of a drive as the tracking system reports it: true poses at its own rate.
     fn tracking(&self, path: &DrivePath) -> Trajectory {
         let count = (path.duration_s() * self.tracking_rate_hz).ceil() as usize;
         let t_s: Vec<f64> = (0..=count)
@@ -176,7 +176,7 @@ impl Robot {
         }
     }
 
-    /// Makes an ideal recording of a drive one of this robot.
+    /// Replaces odometry and truth of an ideal recording by those of this robot, and adds its noise.
     pub fn apply(&self, recording: &mut Recording, path: &DrivePath, name: &str) {
         recording.odometry = self.odometry(path, name);
         recording.truth = Some(self.tracking(path));
@@ -239,7 +239,7 @@ mod tests {
         assert_ne!(moving, robot().odometry(&drive(0.3), "b"));
         let turn =
             moving.iter().map(|sample| sample.omega_radps).sum::<f64>() / moving.len() as f64;
-        // 0.3 m/s times 0.1 rad/m over 30 independent pieces of two correlation times: 0.0055 rad/s standard error.
+        // 0.3 m/s times 0.1 rad/m over 30 independent intervals of two correlation times: 0.0055 rad/s standard error.
         assert!((turn - 0.3 * 0.035).abs() < 0.017, "{turn}");
     }
 

@@ -97,7 +97,8 @@ fn image_signal(scene: &Scene, spec: &RecordingSpec) -> Result<Vec<f32>> {
     let walls: &[fdtd::walls::Wall] = if spec.free_field { &[] } else { &scene.walls };
     if let Some(index) = walls.iter().position(|wall| wall.impedance.is_some()) {
         anyhow::bail!(
-            "walls[{index}] has an impedance, but image sources know rigid walls only; use --engine fdtd or make it rigid"
+            "walls[{index}] has an impedance, but image sources know rigid walls only; use --engine fdtd or \
+            make it rigid"
         );
     }
     let drive = DrivingPair {
@@ -144,7 +145,7 @@ fn field_signal(
         simulation.load_checkpoint(&checkpoint.path)?;
     }
     let mut saved = Instant::now();
-    // The field goes on a little beyond the end of the drive, for the filter; pictures do not.
+    // The field runs a little longer than the drive, for the filter; frames end with the drive.
     let end_s = scene.path(&spec.path)?.duration_s();
     if let Some(snapshots) = snapshots {
         simulation.look_every(snapshots.every_s);
@@ -193,7 +194,7 @@ fn field_signal(
     }
 }
 
-/// Saves a checkpoint, making its folder.
+/// Saves a checkpoint; creates its folder.
 fn save(simulation: &Simulation, path: &Path) -> Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;

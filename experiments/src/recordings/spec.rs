@@ -12,7 +12,7 @@ pub const ODOMETRY_BIAS_RADPS: f64 = 0.01;
 /// Default of the most reflections of an image source's echo: those that the paper's Fig. 8 shows.
 pub const IMAGE_ORDER: u8 = 2;
 
-/// What computes the sound.
+/// Engine that computes the sound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
@@ -37,7 +37,7 @@ impl Engine {
 pub struct RecordingSpec {
     /// Drive path of the scene.
     pub path: String,
-    /// What computes the sound.
+    /// Engine that computes the sound.
     pub engine: Engine,
     /// Most reflections of an image source's echo; the field has all of them.
     pub image_order: usize,

@@ -1,9 +1,11 @@
-//! Ranges from 40 kHz pulses between an omnidirectional transmitter and a receiver (Hsu et al., Sens. Mater. 2021, section 4).
+//! Ranges from 40 kHz pulses between an omnidirectional transmitter and a receiver (Hsu et al., Sens. Mater. 2021,
+//! section 4).
 //!
-//! Direct wave and floor echo by image sources in three dimensions, not a field: an empty site leaves nothing else to compute; a
-//! 2-D field would need 1 mm cells (8.5 mm wavelength, 16 million cells) and would add the wake of a line source, which
-//! point sources do not have. The robot stands at each test point while it polls the receivers, so nothing moves between polls; each poll
-//! is a pulse of its own with its own noise. What the paper leaves open (burst, band, noise, threshold, timer) are the assumptions below.
+//! Direct wave and floor echo by image sources in three dimensions, not a field: an empty site leaves nothing else to
+//! compute; a 2-D field would need 1 mm cells (8.5 mm wavelength, 16 million cells) and would add the wake of a line
+//! source, which point sources do not have. The robot stands at each test point while it polls the receivers, so
+//! nothing moves between polls; each poll is a pulse of its own with its own noise. The paper does not give burst,
+//! band, noise, threshold and timer; they are the assumptions below.
 
 use std::f64::consts::PI;
 
@@ -139,7 +141,7 @@ impl Ranging {
             .find(|t_s| (self.pressure(distance_m, *t_s) + noise()).abs() >= self.link.threshold)
     }
 
-    /// The range that poll `poll` of a trial measures, metres; `None` when no pulse is heard.
+    /// The range that poll `poll` of a trial measures, metres; `None` when no pulse reaches the threshold.
     pub fn range_m(&self, distance_m: f64, cell: &str, trial: u64, poll: usize) -> Option<f64> {
         let seed = trial_seed("dual-circle", cell, trial);
         let mut random = stream(seed, &format!("receiver noise {poll}"));
@@ -170,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pulse_below_the_threshold_is_not_heard() {
+    fn a_pulse_below_the_threshold_gives_no_range() {
         let link = Link {
             threshold: 10.0,
             ..Link::default()

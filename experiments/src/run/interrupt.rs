@@ -1,5 +1,5 @@
-//! Interruption by the user: the first Ctrl-C (or SIGTERM) asks for a clean stop, the second ends the program at once; the first does where nothing has to be
-//! cleaned up.
+//! Interruption by the user: the first Ctrl-C (or SIGTERM) requests a clean stop, the second ends the program at once.
+//! The first ends it where nothing has to be cleaned up.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,7 +9,7 @@ pub const EXIT_CODE: u8 = 130;
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 static AT_ONCE: AtomicBool = AtomicBool::new(false);
 
-/// What an interrupted command returns as its error.
+/// Error of an interrupted command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Interrupted;
 
@@ -39,7 +39,8 @@ pub fn watch() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// While this is held, the first Ctrl-C ends the program at once: for work that nothing is lost of but what is computed just then.
+/// While this value lives, the first Ctrl-C ends the program at once: for work of which only the present computation is
+/// lost.
 #[must_use = "holds only until it is dropped"]
 pub struct AtOnce(());
 
@@ -55,12 +56,12 @@ impl Drop for AtOnce {
     }
 }
 
-/// Whether a stop was asked for.
+/// Whether a stop was requested.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::SeqCst)
 }
 
-/// Returns with [`Interrupted`] when a stop was asked for.
+/// Returns with [`Interrupted`] when a stop was requested.
 ///
 /// # Errors
 /// [`Interrupted`].

@@ -1,4 +1,4 @@
-//! What a run covers: the paper's studies in the paper's size, or a small scene for every day.
+//! Size of a run: the paper's studies in the paper's size, or a small scene for every day.
 
 use std::path::PathBuf;
 
@@ -84,8 +84,8 @@ impl Preset {
         }
     }
 
-    /// Cells of the experimental site (2024 paper, section IV) beside the preset's own scene: the paper's cells on another
-    /// scene and robot. Quick runs fewer seeds.
+    /// Cells of the experimental site (2024 paper, section IV) beside the preset's own scene: the paper's cells on
+    /// another scene and robot. Quick runs fewer seeds.
     pub fn site_plan(self) -> Plan {
         let own = self.plan();
         Plan {

@@ -1,4 +1,4 @@
-//! Progress with the time that is left: bars on a terminal, a line now and then elsewhere.
+//! Progress with the remaining time: bars on a terminal, a line from time to time elsewhere.
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -10,7 +10,7 @@ use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 /// Pause between two lines when there is no terminal.
 const LINE_PERIOD: Duration = Duration::from_secs(60);
 
-/// The place where bars of one command are drawn, one below the other.
+/// The bars of one command, one below the other.
 pub struct Board {
     bars: MultiProgress,
     terminal: bool,
@@ -86,10 +86,10 @@ impl Task {
         self.bar.set_length(length);
     }
 
-    /// Tells that `done` parts are done.
+    /// Reports that `done` parts are done.
     pub fn set(&self, done: u64) {
         if self.terminal {
-            // The first report of a resumed task is no speed.
+            // The first report of a resumed task says nothing about speed.
             if let Ok(mut first) = self.first.lock()
                 && first.is_none()
             {

@@ -1,4 +1,4 @@
-//! Where results come from: source revision, toolchain, machine and time.
+//! Provenance of results: source revision, toolchain, machine and time.
 
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -26,7 +26,7 @@ pub struct Provenance {
     /// Seconds that the simulation of each recording took when it was simulated.
     #[serde(default)]
     pub simulation_seconds: BTreeMap<String, f64>,
-    /// Greatest resident memory of the process, MiB; 0 where the system does not tell.
+    /// Greatest resident memory of the process, MiB; 0 where the system does not report it.
     #[serde(default)]
     pub peak_memory_mib: f64,
 }
@@ -53,7 +53,7 @@ impl Provenance {
     }
 }
 
-/// What a program prints, trimmed; `None` when it fails or is not there.
+/// Output of a program, trimmed; `None` when it fails or does not exist.
 fn output(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
@@ -73,7 +73,7 @@ fn cpu() -> String {
         .unwrap_or_else(|| std::env::consts::ARCH.to_string())
 }
 
-/// Greatest resident memory of this process so far, MiB; 0 where the system does not tell.
+/// Greatest resident memory of this process so far, MiB; 0 where the system does not report it.
 pub fn peak_memory_mib() -> f64 {
     std::fs::read_to_string("/proc/self/status")
         .ok()

@@ -54,7 +54,8 @@ pub(super) fn choose(jobs: &[(f64, &Job)], threads: usize, board: &Board) -> Res
     let seconds: Vec<f64> = jobs.iter().map(|(seconds, _)| *seconds).collect();
     let (chosen, ends) = faster(&seconds, rates);
     board.say(format!(
-        "plan: two simulations side by side on {} thread(s) each would take {}, one after the other on {threads} {} (measured, {:.0} + {:.0} against {:.0} steps/s): {}",
+        "plan: two simulations side by side on {} thread(s) each would take {}, one after the other on \
+        {threads} {} (measured, {:.0} + {:.0} against {:.0} steps/s): {}",
         threads / 2,
         duration(ends[1]),
         duration(ends[0]),

@@ -24,9 +24,9 @@ use crate::run::progress::{Board, duration};
 pub use self::estimate::{Estimate, estimate, steps_per_second};
 pub use self::job::Job;
 
-/// Simulates the jobs and puts their recordings into the cache, at most `side_by_side` at a time on `threads` threads in
-/// all; without a number, one or two at a time, whichever a short measurement predicts to end sooner. Interrupted jobs
-/// resume from their checkpoints.
+/// Simulates the jobs and puts their recordings into the cache, at most `side_by_side` at a time on `threads` threads
+/// in all; without a number, one or two at a time, whichever a short measurement predicts to end sooner. Interrupted
+/// jobs resume from their checkpoints.
 ///
 /// # Errors
 /// [`interrupt::Interrupted`], or the first job's error.
@@ -65,7 +65,8 @@ pub fn run(
     let seconds: f64 = order.iter().map(|(seconds, _)| seconds * slowdown).sum();
     if seconds > 0.0 {
         board.say(format!(
-            "{} simulation(s), {workers} side by side: about {} in all; interrupt at any time, the same command goes on",
+            "{} simulation(s), {workers} side by side: about {} in all; interrupt at any time, the same command \
+            goes on",
             jobs.len(),
             duration(seconds / workers as f64)
         ));

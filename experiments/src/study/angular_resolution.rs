@@ -1,9 +1,9 @@
-//! How well M periods tell directions apart: the Doppler bank's answer to one exact echo (2023 abstract, section 3).
+//! Angular resolution of M periods: the Doppler bank's response to one exact echo (2023 abstract, section 3).
 //!
-//! The echo of a plane wall at 60 degrees from the heading is the transmitted signal with time scaled by
-//! `(c + v cos theta) / (c - v cos theta)` about the block's centre. The bank's intensity at the echo's delay over cos(theta) is for one
-//! frequency f_c the magnitude of `sinc(M T 2 f_c v / c (cos theta - cos 60 deg))`: a Doppler cell is `c / (2 f_c M T v)` wide, and
-//! the half-power width 0.886 of a cell.
+//! The echo of a plane wall at 60 degrees from the heading is the transmitted signal with time scaled by `(c + v cos
+//! theta) / (c - v cos theta)` about the block's centre. The bank's intensity at the echo's delay over cos(theta) is
+//! for one frequency f_c the magnitude of `sinc(M T 2 f_c v / c (cos theta - cos 60 deg))`: a Doppler cell is `c / (2
+//! f_c M T v)` wide, and the half-power width 0.886 of a cell.
 
 use anyhow::{Context, Result};
 use fdtd::waveform::PeriodicWaveform;
@@ -19,7 +19,7 @@ use crate::summary::{ResolutionCell, Summary};
 
 /// Numbers of periods.
 const PERIODS: [usize; 8] = [1, 2, 3, 4, 5, 6, 7, 8];
-/// N_theta of the bank: far finer than what M = 8 resolves.
+/// N_theta of the bank: far finer than the resolution of M = 8.
 const DIRECTIONS: usize = 720;
 /// Speed of the robot, m/s.
 const SPEED_MPS: f64 = 0.3;
@@ -53,7 +53,7 @@ fn echo(parameters: &Parameters, delay_s: f64) -> Vec<f32> {
         .collect()
 }
 
-/// The bank's answer over cos(theta), relative to its greatest value, from the stern to the bow.
+/// The bank's response over cos(theta), relative to its greatest value, from the stern to the bow.
 fn answer(parameters: &Parameters) -> Result<Vec<(f64, f64)>> {
     let bank = DopplerBank::new(parameters)?;
     let delay = parameters.signal.delay_of_range(RANGE_M);
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_bank_resolves_what_theory_says() {
+    fn the_bank_resolves_as_theory_predicts() {
         // Tolerance 15 %: theory holds for the carrier alone, the code fills 0 to 19 kHz around it.
         for periods in [2, 6] {
             let parameters = Parameters {

@@ -167,7 +167,7 @@ const CACHED: Duration = Duration::from_secs(2);
 pub fn run(session: &Session, studies: &[&Study]) -> Result<Summary> {
     let path = session.results().join("summary.json");
     let mut summary = if path.exists() {
-        // Stages of earlier runs stay: a run of one study does not forget the others.
+        // Stages of earlier runs stay when one study runs.
         let mut summary = Summary::read(&path)?;
         let earlier = summary.provenance;
         summary.provenance = Provenance {
@@ -192,7 +192,7 @@ pub fn run(session: &Session, studies: &[&Study]) -> Result<Summary> {
     }
     session.simulate(&missing)?;
     note_simulations(session, &specs, &mut summary)?;
-    // A run that finds all recordings in the cache does not forget what simulating them took.
+    // A run that finds all recordings in the cache keeps the duration of their simulation.
     let known = summary.provenance.seconds.contains_key("simulations");
     if !known || started.elapsed() > CACHED {
         stage(&mut summary, "simulations", started);

@@ -1,4 +1,4 @@
-//! How well echoes correct the drift of wheel odometry (Fig. 6).
+//! Correction of the drift of wheel odometry by echoes (Fig. 6).
 
 use anyhow::Result;
 use localizer::Method;

@@ -28,7 +28,7 @@ pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
         })
         .collect();
     let results = trials::run(session, "periods", &trials)?;
-    // What the wheels alone say stands beside the paths.
+    // Dead reckoning is shown beside the paths.
     let odometry = trials::run(
         session,
         "periods",

@@ -20,7 +20,7 @@ const SHOWN_M: f64 = 10.0;
 /// Delays that share one column of the image; the greatest value stands for them.
 const POOL: usize = 4;
 
-/// How far a corner's apex reaches, metres: corners that are not quite square still send sound back.
+/// Reach of a corner's apex, metres: corners that are not quite square still send sound back.
 const SLACK_M: f64 = 0.05;
 
 /// Half width of a ray's trace in the intensity image, metres of round trip.
@@ -62,7 +62,7 @@ fn rays(session: &Session, times_s: &[f64]) -> Result<Vec<Ray>> {
     Ok(found)
 }
 
-/// Whether the two wall pieces of a double reflection end so near each other that they make a closed corner.
+/// Whether the two wall segments of a double reflection end so near each other that they form a closed corner.
 fn meet(walls: &[Wall], pieces: &[(usize, usize)]) -> bool {
     let ends = |&(wall, piece): &(usize, usize)| {
         let wall = walls.get(wall)?;
@@ -87,7 +87,7 @@ pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
     let recording = session
         .recordings
         .read(&session.recordings.spec("localization", None), false)?;
-    // The figure shows the sum over the directions, whatever stands for them in the range-only method.
+    // The figure shows the sum over the directions, also when the range-only method uses another intensity.
     let parameters = &Parameters {
         measurement: MeasurementParameters {
             toa_image: ToaImage::Mean,

@@ -1,5 +1,5 @@
-//! The experimental site (2024 paper, section IV) in simulation: its studies on another scene with a robot whose wheels slip
-//! and whose microphone is noisy (Figs. 11 to 16).
+//! The experimental site (2024 paper, section IV) in simulation: its studies on another scene with a robot whose wheels
+//! slip and whose microphone is noisy (Figs. 11 to 16).
 
 use anyhow::{Context, Result};
 
@@ -16,12 +16,12 @@ pub(crate) fn missing(session: &Session) -> Result<Vec<Job>> {
     site.recordings.missing(&snr::specs(&site))
 }
 
-/// Runs the study: the other studies do the work, in the site's own laboratory.
+/// Runs the study: the other studies do the work, in the site's own session.
 pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
     let site = session.site()?;
     let specs = snr::specs(&site);
     site.simulate(&site.recordings.missing(&specs)?)?;
-    // All of the site's recordings are noted below; those of another scheme that an earlier run had made are none of its any more.
+    // All of the site's recordings are noted below; those of another scheme of an earlier run are removed.
     let labels: Vec<String> = specs
         .iter()
         .map(|spec| site.recordings.label(spec))

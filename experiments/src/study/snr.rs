@@ -11,7 +11,7 @@ use crate::session::Session;
 use crate::summary::{NoiseCell, Summary};
 use crate::trials::{self, Trial, accuracy};
 
-/// Recordings of the study: the direct wave of the localization drive tells the power of the reflected signal.
+/// Recordings of the study: the direct wave of the localization drive gives the power of the reflected signal.
 pub(crate) fn specs(session: &Session) -> Vec<RecordingSpec> {
     let mut specs = session.recordings.localization_specs(None);
     specs.push(

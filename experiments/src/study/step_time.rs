@@ -16,7 +16,7 @@ use crate::summary::{FilterTime, StepTime, Summary};
 /// Blocks left out until the memory is warm.
 const WARM_UP: usize = 3;
 
-/// Milliseconds that each block takes in the Doppler bank, eqs. (1)-(3).
+/// Time of each block in the Doppler bank, eqs. (1)-(3), milliseconds.
 fn bank_times_ms(
     session: &Session,
     recording: &Recording,
@@ -44,7 +44,7 @@ fn bank_times_ms(
     Ok(times.split_off(WARM_UP.min(times.len())))
 }
 
-/// Milliseconds that each block takes in the particle filter, eqs. (8)-(18).
+/// Time of each block in the particle filter, eqs. (8)-(18), milliseconds.
 fn filter_times_ms(
     session: &Session,
     recording: &Recording,

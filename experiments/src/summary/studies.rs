@@ -17,7 +17,7 @@ use crate::run::provenance::Provenance;
 pub struct Summary {
     /// The preset.
     pub preset: Preset,
-    /// Where and how it was computed.
+    /// Provenance.
     pub provenance: Provenance,
     /// Correction of the drift of wheel odometry (Fig. 6).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -159,7 +159,8 @@ pub struct PeriodsCell {
 pub struct Reflections {
     /// Greatest round-trip distance of single and corner reflections during the drive by ray theory, metres.
     pub farthest_usable_m: f64,
-    /// Mean level of the measured intensity at ray distances of single and corner reflections over its mean elsewhere, decibels.
+    /// Mean level of the measured intensity at ray distances of single and corner reflections over its mean elsewhere,
+    /// decibels.
     pub ray_contrast_db: f64,
 }
 

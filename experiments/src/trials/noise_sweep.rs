@@ -1,4 +1,5 @@
-//! Trials with noise on the received signal: all noises and levels go through the drive together, some blocks at a time.
+//! Trials with noise on the received signal: all noises and levels run through the drive together, some blocks at a
+//! time.
 
 use anyhow::{Context, Result};
 use localizer::echo::noise_sweep::{AddedNoise, NoiseSweep};
@@ -18,7 +19,7 @@ const MOST_BLOCKS: usize = 900;
 /// Most blocks that are measured together, so that no filter waits long for another.
 const MOST_TOGETHER: usize = 32;
 
-/// A filter on its way through a drive with noise.
+/// A filter in the course of a drive with noise.
 struct Run {
     /// Its number in the study.
     index: usize,

@@ -43,7 +43,8 @@ impl Measured {
     }
 }
 
-/// Runs the trials of groups without noise. What the next groups need is measured while the last trials of those before run.
+/// Runs the trials of groups without noise. The measurements of the next groups run beside the last trials of the
+/// groups before.
 pub(super) fn run(
     session: &Session,
     groups: &[Group<'_>],
@@ -74,7 +75,7 @@ pub(super) fn run(
         let begun = AtomicUsize::new(0);
         let next = Mutex::new(None);
         let results = rayon::scope(|scope| {
-            // One by one: a piece of several that one thread has begun is not shared any more.
+            // One by one: rayon does not share a batch of several that one thread has begun.
             runs.par_iter()
                 .with_max_len(1)
                 .map(|(index, trial, shared)| {

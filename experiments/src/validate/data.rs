@@ -67,7 +67,8 @@ pub(super) fn measured() -> Result<Table> {
     Ok(table)
 }
 
-/// Echoes of the scene, field and images: the signals at a place of the whole scene, and what every echo that stands alone is off.
+/// Echoes of the scene, field and images: the signals at a place of the whole scene, and the errors of every echo that
+/// is separate from the others.
 pub(super) fn scene_echoes(depth: Depth, data: &Path) -> Result<()> {
     let places = scene_echoes::places(depth)?;
     let mut signal = Table::new(["t_ms", "field_pa", "images_pa"]);

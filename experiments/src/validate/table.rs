@@ -85,7 +85,8 @@ fn nearness(measurement: &Measurement) -> f64 {
 /// `laws.md`: one line per law with its number of measurements and the one nearest to its limit.
 pub fn laws(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| law | within tolerance | nearest to its limit | tolerance | measured | verdict |\n|---|---|---|---|---|---|\n",
+        "| law | within tolerance | nearest to its limit | tolerance | measured | verdict |\n\
+        |---|---|---|---|---|---|\n",
     );
     for law in LAWS {
         let of_law: Vec<&Row> = rows

@@ -16,7 +16,7 @@ fn key(text: &str, spec: &RecordingSpec) -> String {
 }
 
 #[test]
-fn what_does_not_sound_does_not_count() {
+fn values_without_influence_on_the_sound_do_not_enter() {
     let spec = RecordingSpec::of("localization", Engine::Fdtd);
     let original = key(ROOM, &spec);
     assert_eq!(original, key(ROOM, &spec));
@@ -24,7 +24,7 @@ fn what_does_not_sound_does_not_count() {
         original,
         key(&ROOM.replace("\"room\"", "\"chamber\""), &spec)
     );
-    // The scene's own scheme said explicitly is the same scheme.
+    // The scene's own scheme given explicitly is the same scheme.
     let explicit = RecordingSpec {
         scheme: Some(Scheme::M13),
         ..spec.clone()
@@ -40,7 +40,7 @@ fn what_does_not_sound_does_not_count() {
 }
 
 #[test]
-fn what_sounds_counts() {
+fn values_that_determine_the_sound_enter() {
     let spec = RecordingSpec::of("localization", Engine::Fdtd);
     let original = key(ROOM, &spec);
     for (before, after) in [
@@ -91,7 +91,7 @@ fn what_sounds_counts() {
 }
 
 #[test]
-fn the_print_of_an_engine_repeats_and_tells_schemes_apart() {
+fn the_fingerprint_of_an_engine_repeats_and_differs_between_schemes() {
     let scene = scene();
     let print = |spec: &RecordingSpec| engine_fingerprint(spec, &scene).unwrap();
     let m13 = RecordingSpec::of("localization", Engine::Fdtd);

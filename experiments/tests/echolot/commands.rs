@@ -197,7 +197,8 @@ fn an_interrupted_simulation_goes_on_to_the_same_bytes() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    // It tells what it is about to do, and is under way a moment later, mostly: an earlier or later signal is a weaker test and still right.
+    // It prints its plan and starts a moment later. A signal that comes earlier or later makes the test weaker, not
+    // wrong.
     let mut told = std::io::BufReader::new(child.stderr.take().unwrap());
     std::io::BufRead::read_line(&mut told, &mut String::new()).unwrap();
     std::thread::sleep(std::time::Duration::from_millis(150));
@@ -350,7 +351,7 @@ fn bench_prints_rows_and_names_bad_flags() {
 fn bench_writes_its_data_and_draws_the_roofline_from_it() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    // One grid does not take the place of the whole table.
+    // One grid does not replace the whole table.
     let one = ["bench", "--cells", "96x96", "--steps", "8"];
     expect(at, &one);
     assert!(!at.join("results").exists());
@@ -393,7 +394,7 @@ fn bench_writes_its_data_and_draws_the_roofline_from_it() {
 }
 
 #[test]
-fn absorption_takes_from_the_echoes_and_tells_so() {
+fn absorption_weakens_the_echoes_and_is_in_the_provenance() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     scene_file(at);

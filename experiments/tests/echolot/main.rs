@@ -1,4 +1,4 @@
-//! The command line tool and what it is made of, from outside.
+//! The command line tool and its modules, from outside.
 
 mod cache;
 mod commands;

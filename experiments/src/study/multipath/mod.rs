@@ -1,4 +1,5 @@
-//! Position from multipath arrival times by planes and a Kalman filter (Tsuchiya et al., 2021), in a room and on the preset's scene.
+//! Position from multipath arrival times by planes and a Kalman filter (Tsuchiya et al., 2021), in a room and on the
+//! preset's scene.
 
 mod paths;
 mod scene;
@@ -31,7 +32,8 @@ const METHODS: [(&str, Option<Model>); 4] = [
     ("odometry", None),
 ];
 
-/// Round trips at which peaks are picked: beyond the direct wave and the floor's echo, up to the longest double echoes, metres.
+/// Round trips at which peaks are picked: beyond the direct wave and the floor's echo, up to the longest double echoes,
+/// metres.
 const ROUND_TRIP_M: [f64; 2] = [1.2, 9.0];
 
 /// Gates tried; the widest lets nearly every peak pass, as eq. (4) without a gate does.
@@ -53,7 +55,7 @@ fn write_room(session: &Session, recording: &Recording) -> Result<()> {
     drive.write(&session.data("multipath_drive.csv"))
 }
 
-/// What one trial gives.
+/// Results of one trial.
 struct Trial {
     /// Method, gate in metres and mean error in metres.
     gates: Vec<(&'static str, f64, f64)>,
@@ -97,7 +99,7 @@ pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
     let mut followed: [Vec<Errors>; 4] = Default::default();
     let task = session.board.task("multipath", TRIALS);
     let done = AtomicU64::new(0);
-    // A trial of all methods and gates each, side by side; tables keep the order of the trials.
+    // Trials run in parallel; tables keep their order.
     let trials = (0..TRIALS).into_par_iter().map(|trial| {
         interrupt::check()?;
         let recording = site.recording(trial);

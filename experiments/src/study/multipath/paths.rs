@@ -9,7 +9,7 @@ use localizer::{Recording, Trajectory};
 use crate::data::table::{Table, cell};
 use crate::metrics::{Accuracy, rounded};
 
-/// Every how many blocks an estimate is written to the data file.
+/// Number of blocks from one estimate in the data file to the next.
 const EVERY: usize = 2;
 /// Peaks: four times the noise, one chip apart.
 pub(super) const PICKING: Picking = Picking {

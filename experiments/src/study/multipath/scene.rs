@@ -1,4 +1,5 @@
-//! Model (b) against the Doppler method on the localization drive of the preset's scene: the same recording, the same wheels.
+//! Model (b) against the Doppler method on the localization drive of the preset's scene: the same recording and
+//! odometry.
 
 use anyhow::{Context, Result};
 use fdtd::scene::Scene;
@@ -18,7 +19,8 @@ use crate::study::cells::doppler_trials;
 use crate::summary::MultipathScene;
 use crate::trials::{self, TrialResult};
 
-/// Longest round trip at which peaks are picked, metres; the papers' scene has its longest single and corner echoes there.
+/// Longest round trip at which peaks are picked, metres; the papers' scene has its longest single and corner echoes
+/// there.
 const FARTHEST_M: f64 = 8.0;
 
 /// The faces of the scene's walls as finite planes that reflect to their front.
@@ -71,7 +73,7 @@ pub(super) fn run(session: &Session) -> Result<MultipathScene> {
     let parameters = Parameters {
         measurement: MeasurementParameters {
             periods: 2,
-            // The noise level wants all delays of a period.
+            // The noise level is estimated from all delays of a period.
             max_range_m: 0.48 * c_mps * session.parameters.period_s(),
             ..session.parameters.measurement
         },
@@ -79,7 +81,7 @@ pub(super) fn run(session: &Session) -> Result<MultipathScene> {
     };
     let nearest_m = 2.0 * parameters.measurement.min_range_m;
     let blocks = arrivals::measure(&recording, &parameters, &PICKING, [nearest_m, FARTHEST_M])?;
-    // In the plane all heights are one.
+    // In the plane all heights are equal.
     let predictor = Predictor::new(&planes(&session.scene)?, Model::Planar, [0.0; 2], c_mps);
     let start = recording.start_pose();
     let mut table = Table::new(COLUMNS);

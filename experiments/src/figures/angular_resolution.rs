@@ -5,12 +5,13 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Marker, Stroke};
-use super::colour;
-use super::legend::{Entry, legend};
-use super::style::periods_style;
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
+use super::drawing::style::periods_style;
 use crate::data::table::Table;
 
 /// The title: by how much, at most, the measured widths differ from theory, both over the periods.

@@ -80,7 +80,7 @@ fn read(path: &Path) -> Result<Picture> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::canvas::write_png;
+    use crate::figures::drawing::png::write_png;
 
     #[test]
     fn pictures_become_frames_in_the_order_of_their_times() {

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas;
-use super::legend::{Entry, legend};
-use super::style::method_style;
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::style::method_style;
 use crate::data::table::Table;
 use crate::metrics::{cumulative_distribution, mean, quantile};
 

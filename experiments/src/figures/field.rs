@@ -8,10 +8,11 @@ use fdtd::scene::Scene;
 use ndarray::ArrayView2;
 use plotters::style::RGBColor;
 
-use super::canvas::{self, Marker, Stroke};
-use super::colour;
-use super::layout;
-use super::legend::{Entry, legend};
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::layout;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
 use crate::data::field_frame::FieldFrame;
 use crate::data::layout::Layout;
 use crate::metrics::quantile;

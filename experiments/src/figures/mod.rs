@@ -1,13 +1,8 @@
 //! The figures. Each is drawn from the data files of a results folder alone; nothing is computed by the localizer here.
 
 pub mod animation;
-pub mod axes;
-pub mod axis;
-pub mod canvas;
-pub mod colour;
+pub mod drawing;
 pub(crate) mod field;
-pub mod layout;
-pub mod legend;
 pub mod scene;
 pub mod snapshot;
 
@@ -26,7 +21,6 @@ mod scene_and_map;
 mod scene_echoes;
 mod speeds;
 mod step_time;
-mod style;
 mod window_size;
 
 use std::path::{Path, PathBuf};

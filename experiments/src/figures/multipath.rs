@@ -5,14 +5,15 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Canvas, LABEL, Stroke};
-use super::colour;
-use super::layout::{self, drive_points, path};
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas::{self, Canvas, LABEL};
+use super::drawing::colour;
+use super::drawing::layout::{self, drive_points, path};
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Stroke;
+use super::drawing::style::method_style;
 use super::means::means_by;
-use super::style::method_style;
 use crate::data::layout::Layout;
 use crate::data::table::Table;
 use crate::metrics::mean;

@@ -4,14 +4,15 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Marker, Stroke};
-use super::colour;
-use super::layout::{self, drive_points, path};
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::layout::{self, drive_points, path};
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
+use super::drawing::style::{method_style, periods_style};
 use super::means::means_by;
-use super::style::{method_style, periods_style};
 use crate::data::layout::Layout;
 use crate::data::table::Table;
 

@@ -6,11 +6,12 @@ use anyhow::{Context, Result};
 use ndarray::{Array2, ArrayView1, s};
 use serde::{Deserialize, Serialize};
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, LABEL, Marker};
-use super::colour;
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas::{self, LABEL};
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Marker;
 use crate::data::table::Table;
 use crate::metrics::quantile;
 

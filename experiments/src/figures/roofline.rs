@@ -6,11 +6,12 @@ use anyhow::{Context, Result};
 use plotters::style::RGBColor;
 use serde::Deserialize;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Canvas, LABEL, Marker, Stroke};
-use super::colour;
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas::{self, Canvas, LABEL};
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
 use crate::data::peaks::Peaks;
 
 /// The fields of a row of `bench.json` that the figure uses.

@@ -5,10 +5,11 @@ use std::path::Path;
 use anyhow::Result;
 use fdtd::scene::Scene;
 
-use super::canvas::{self, Stroke};
-use super::colour;
-use super::layout::{self, path};
-use super::legend::{Entry, legend};
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::layout::{self, path};
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Stroke;
 use crate::data::layout::Layout;
 
 /// Spacing of the drawn points of a path, seconds.

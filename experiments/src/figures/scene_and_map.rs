@@ -5,10 +5,11 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::canvas::{self, LABEL, Stroke};
-use super::colour;
-use super::layout::{self, drive_points, path};
-use super::legend::{Entry, legend};
+use super::drawing::canvas::{self, LABEL};
+use super::drawing::colour;
+use super::drawing::layout::{self, drive_points, path};
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Stroke;
 use crate::data::layout::Layout;
 use crate::data::table::Table;
 use crate::metrics::quantile;

@@ -6,7 +6,7 @@ use anyhow::Result;
 use fdtd::scene::Scene;
 use fdtd::walls::rasterize;
 
-use super::canvas::write_png;
+use super::drawing::png::write_png;
 use crate::data::field_frame::FieldFrame;
 use crate::metrics::quantile;
 

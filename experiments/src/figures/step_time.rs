@@ -4,11 +4,12 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Marker, Stroke};
-use super::colour;
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
 use crate::data::table::Table;
 use crate::metrics::{cumulative_distribution, quantile};
 

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Marker};
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Marker;
+use super::drawing::style::method_style;
 use super::means::means_by;
-use super::style::method_style;
 use crate::data::table::Table;
 
 /// Greatest excess over the least error, as a share of it, of a window that counts as equally good.

@@ -1,4 +1,4 @@
-//! The sound field of a scene shortly after a click of the robot at rest.
+//! Impulse snapshot: the sound field of a scene shortly after a short burst of the robot at rest.
 
 use anyhow::Result;
 use fdtd::motion::{DrivePath, MotionState};
@@ -8,10 +8,10 @@ use oracles::exact::burst::Burst;
 
 use crate::data::field_frame::FieldFrame;
 
-/// Carrier and bandwidth of the click, Hz: wave fronts of 7 cm that the eye can follow.
+/// Carrier and bandwidth of the burst, Hz: wave fronts of 7 cm, which are visible in a picture.
 const BURST_HZ: [f64; 2] = [5e3, 1.8e3];
 
-/// The field `t_s` seconds after a click from the loudspeaker at rest at the start of `path`.
+/// The field `t_s` seconds after a short burst of the loudspeaker at rest at the start of `path`.
 ///
 /// # Errors
 /// When the scene has no such path or the field refuses it.
@@ -29,7 +29,7 @@ pub fn frame(scene: &Scene, path: &str, t_s: f64) -> Result<FieldFrame> {
     still.paths.insert("still".to_string(), path);
     let band_hz = [0.0, scene.waveform.band_hz[1]];
     let waveform = burst.every(2.0 * end_s, band_hz, 1.0 / scene.grid.dt_s);
-    // A picture shows what passes beyond walls and drives too.
+    // A picture shows the waves beyond walls and drives too.
     let options = SimulationOptions {
         whole_domain: true,
         ..SimulationOptions::default()

@@ -5,8 +5,9 @@ use ndarray::ArrayView2;
 use plotters::style::RGBColor;
 
 use super::axis::Axis;
-use super::canvas::{Canvas, LABEL, Marker, Stroke, TICK};
+use super::canvas::{Canvas, LABEL, TICK};
 use super::colour;
+use super::stroke::{Marker, Stroke};
 
 /// Axes in a rectangle of a canvas.
 pub struct Axes<'a> {

@@ -3,7 +3,8 @@
 use anyhow::Result;
 use plotters::style::RGBColor;
 
-use super::canvas::{Canvas, LABEL, Marker, Stroke};
+use super::canvas::{Canvas, LABEL};
+use super::stroke::{Marker, Stroke};
 
 /// An entry of a legend.
 #[derive(Debug, Clone)]

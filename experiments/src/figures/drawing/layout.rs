@@ -4,8 +4,9 @@ use anyhow::Result;
 
 use super::axes::Axes;
 use super::axis::Axis;
-use super::canvas::{Canvas, Marker, Stroke};
+use super::canvas::Canvas;
 use super::colour;
+use super::stroke::{Marker, Stroke};
 use crate::data::layout::Layout;
 use crate::data::table::Table;
 

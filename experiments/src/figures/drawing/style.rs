@@ -2,11 +2,11 @@
 
 use plotters::style::RGBColor;
 
-use super::canvas::{Marker, Stroke};
 use super::colour;
+use super::stroke::{Marker, Stroke};
 
 /// Style of a localization method: line, marker colour and name.
-pub(super) fn method_style(method: &str) -> (Stroke, &'static str) {
+pub(crate) fn method_style(method: &str) -> (Stroke, &'static str) {
     let line = |colour: RGBColor, width| Stroke::solid(colour, width);
     match method {
         "doppler" => (line(colour::BLUE, 5.0), "Doppler"),
@@ -23,7 +23,7 @@ pub(super) fn method_style(method: &str) -> (Stroke, &'static str) {
 }
 
 /// Style of a number of periods; only those of the paper's Fig. 2 have lines.
-pub(super) fn periods_style(periods: &str) -> Option<(Stroke, Marker)> {
+pub(crate) fn periods_style(periods: &str) -> Option<(Stroke, Marker)> {
     let dashes = |colour, pattern| Stroke::solid(colour, 4.5).dashed(pattern);
     match periods {
         "2" => Some((

@@ -5,15 +5,16 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Once;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, FontTransform, register_font};
 
-use crate::data::atomic;
+use super::png::write_png;
+use super::stroke::{Marker, Stroke};
 
-static REGULAR: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
-static BOLD: &[u8] = include_bytes!("../../assets/DejaVuSans-Bold.ttf");
+static REGULAR: &[u8] = include_bytes!("../../../assets/DejaVuSans.ttf");
+static BOLD: &[u8] = include_bytes!("../../../assets/DejaVuSans-Bold.ttf");
 
 /// Size of tick labels in pixels.
 pub const TICK: f64 = 28.0;
@@ -21,60 +22,6 @@ pub const TICK: f64 = 28.0;
 pub const LABEL: f64 = 31.0;
 /// Size of titles in pixels.
 pub const TITLE: f64 = 37.0;
-
-/// Style of a line.
-#[derive(Debug, Clone, Copy)]
-pub struct Stroke {
-    /// Colour.
-    pub colour: RGBColor,
-    /// Width in pixels.
-    pub width: f64,
-    /// Lengths of dash, gap, dash, gap, ... in pixels; empty for a solid line.
-    pub dashes: &'static [f64],
-    /// 1 is opaque.
-    pub opacity: f64,
-}
-
-impl Stroke {
-    /// A solid, opaque line.
-    pub const fn solid(colour: RGBColor, width: f64) -> Self {
-        Self {
-            colour,
-            width,
-            dashes: &[],
-            opacity: 1.0,
-        }
-    }
-
-    /// The same line dashed.
-    pub const fn dashed(self, dashes: &'static [f64]) -> Self {
-        Self { dashes, ..self }
-    }
-
-    /// The same line, see-through.
-    pub const fn faint(self, opacity: f64) -> Self {
-        Self { opacity, ..self }
-    }
-}
-
-/// Shape of a data point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Marker {
-    /// A disc.
-    Disc,
-    /// A square.
-    Square,
-    /// A triangle, tip up.
-    Triangle,
-    /// A diamond.
-    Diamond,
-    /// The outline of a square, through which other points stay visible.
-    OpenSquare,
-    /// The outline of a triangle, tip up.
-    OpenTriangle,
-    /// The outline of a diamond.
-    OpenDiamond,
-}
 
 /// Place of a text relative to its point: -1 left of / above it, 0 centred, 1 right of / below it.
 pub type Anchor = (i8, i8);
@@ -114,25 +61,6 @@ pub fn draw(
     };
     paint(&canvas)?;
     write_png(path, width, height, &canvas.pixels.borrow())
-}
-
-/// Writes 8-bit RGB pixels, rows from the top, as PNG.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_png(path: &Path, width: u32, height: u32, rgb: &[u8]) -> Result<()> {
-    let mut bytes = Vec::new();
-    {
-        let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::High);
-        encoder
-            .write_header()
-            .and_then(|mut writer| writer.write_image_data(rgb))
-            .with_context(|| path.display().to_string())?;
-    }
-    atomic::write(path, &bytes)
 }
 
 impl Canvas {

@@ -43,17 +43,17 @@ const FIGURES: &[Figure] = &[
     Figure {
         name: "fig_multipath_paths",
         needs: &["multipath.csv", "multipath_drive.csv", "multipath_room.csv"],
-        draw: multipath::paths,
+        draw: multipath::room::paths,
     },
     Figure {
         name: "fig_multipath_errors",
         needs: &["multipath.csv", "multipath_gates.csv"],
-        draw: multipath::errors,
+        draw: multipath::room::errors,
     },
     Figure {
         name: "fig_multipath_scene",
         needs: &["layout.json", "drive.csv", "multipath_scene.csv"],
-        draw: multipath::scene,
+        draw: multipath::scene::draw,
     },
     Figure {
         name: "fig04_scene_and_map",

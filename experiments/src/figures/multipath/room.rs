@@ -1,79 +1,24 @@
-//! Multipath arrival times (2021, Fig. 3): paths and errors of the three models in a room, and model (b) beside the
-//! Doppler method on the scene.
+//! Multipath arrival times (2021, Fig. 3): paths and errors of the three models in a room.
 
 use std::path::Path;
 
 use anyhow::Result;
 
-use super::drawing::axes::Axes;
-use super::drawing::axis::Axis;
-use super::drawing::canvas::{self, Canvas, LABEL};
-use super::drawing::colour;
-use super::drawing::layout::{self, drive_points, path};
-use super::drawing::legend::{Entry, legend};
-use super::drawing::stroke::Stroke;
-use super::drawing::style::method_style;
-use super::means::means_by;
-use crate::data::layout::Layout;
+use super::models::{column, mean_errors_of, one_trial, points, short, style};
 use crate::data::table::Table;
+use crate::figures::drawing::axes::Axes;
+use crate::figures::drawing::axis::Axis;
+use crate::figures::drawing::canvas;
+use crate::figures::drawing::colour;
+use crate::figures::drawing::layout::path;
+use crate::figures::drawing::legend::{Entry, legend};
+use crate::figures::drawing::stroke::Stroke;
+use crate::figures::drawing::style::method_style;
+use crate::figures::means::means_by;
 use crate::metrics::mean;
 
 /// Mean error of model (c) in the paper's experiment, metres.
 const PAPER_M: f64 = 0.085;
-
-/// Style of a model's line, and its name.
-fn style(method: &str) -> (Stroke, &'static str) {
-    match method {
-        "single" => (
-            Stroke::solid(colour::PURPLE, 5.0).dashed(&[14.0, 8.0, 4.0, 8.0, 4.0, 8.0]),
-            "(a) single echoes",
-        ),
-        "planar" => (
-            Stroke::solid(colour::ORANGE, 5.0).dashed(&[22.0, 9.0, 5.0, 9.0]),
-            "(b) single and double, in the plane",
-        ),
-        "spatial" => (
-            Stroke::solid(colour::GREEN, 5.0).dashed(&[22.0, 9.0]),
-            "(c) with ceiling and floor",
-        ),
-        other => method_style(other),
-    }
-}
-
-/// Columns `x` and `y` as points.
-fn points(table: &Table, x: &str, y: &str) -> Result<Vec<(f64, f64)>> {
-    Ok(table
-        .numbers(x)?
-        .into_iter()
-        .zip(table.numbers(y)?)
-        .collect())
-}
-
-/// The letter of a model with its brackets, or the method's name.
-fn short(method: &str) -> &'static str {
-    let name = style(method).1;
-    name.split_inclusive(')').next().unwrap_or(name)
-}
-
-/// Mean error of a method over all trials, if it has any.
-fn mean_error(table: &Table, method: &str) -> Result<Option<f64>> {
-    let rows = table.only("method", method)?;
-    Ok(match rows.is_empty() {
-        true => None,
-        false => Some(mean(&rows.numbers("error_m")?)),
-    })
-}
-
-/// Lists the mean errors of the methods that the table has.
-fn mean_errors_of(table: &Table, methods: &[&str]) -> Result<String> {
-    let mut parts = Vec::new();
-    for method in methods {
-        if let Some(error) = mean_error(table, method)? {
-            parts.push(format!("{} {error:.3} m", short(method)));
-        }
-    }
-    Ok(parts.join(", "))
-}
 
 /// Mean errors of a model over the gate: its name, and gate, mean and interval in metres.
 type OverGates<'a> = (&'a str, Vec<(f64, f64, [f64; 2])>);
@@ -121,34 +66,6 @@ fn median_trial(table: &Table) -> Result<String> {
     trials.sort_by(|a, b| a.0.total_cmp(&b.0));
     let middle = trials.len() / 2;
     Ok(trials.into_iter().nth(middle).unwrap_or_default().1)
-}
-
-/// Draws one trial of each method into a map; returns the legend's entries.
-fn one_trial(axes: &Axes<'_>, table: &Table, trial: &str, methods: &[&str]) -> Result<Vec<Entry>> {
-    let mut entries = Vec::new();
-    for method in methods {
-        let rows = table.only("method", method)?;
-        if rows.is_empty() {
-            continue;
-        }
-        let (stroke, name) = style(method);
-        axes.curve(&points(&rows.only("trial", trial)?, "x_m", "y_m")?, stroke)?;
-        entries.push(Entry::line(stroke, name));
-    }
-    Ok(entries)
-}
-
-/// Lists entries one below the other, then notes.
-fn column(sheet: &Canvas, entries: Vec<Entry>, notes: &[&str]) -> Result<()> {
-    let mut y = 150.0;
-    for entry in entries {
-        y += legend(sheet, [1060.0, y], 520.0, &[entry])? + 14.0;
-    }
-    for note in notes {
-        sheet.text(note, [1060.0, y + 30.0], (1, 0), LABEL - 3.0, false, false)?;
-        y += 46.0;
-    }
-    Ok(())
 }
 
 /// Draws the paths in the room.
@@ -297,35 +214,6 @@ pub(crate) fn errors(data: &Path, picture: &Path) -> Result<()> {
         right.finish("mean error over the gate, bars: 95 % interval")?;
         legend(sheet, [150.0, 78.0], 1620.0, &entries)?;
         Ok(())
-    })
-}
-
-/// Draws model (b) and the Doppler method on the scene.
-///
-/// # Errors
-/// When a data file is missing or damaged, or the picture cannot be written.
-pub(crate) fn scene(data: &Path, picture: &Path) -> Result<()> {
-    let layout = Layout::read(data)?;
-    let truth = drive_points(&Table::read(&data.join("drive.csv"))?, "localization")?;
-    let table = Table::read(&data.join("multipath_scene.csv"))?;
-    canvas::draw(picture, 1660, 1100, |sheet| {
-        let errors = mean_errors_of(&table, &["planar", "doppler", "odometry"])?;
-        sheet.title(&format!("Mean error: {errors}; (b) was given the walls"))?;
-        let axes = layout::axes(&layout, sheet, [120.0, 130.0, 980.0, 990.0]);
-        axes.grid()?;
-        layout::walls(&layout, &axes, Stroke::solid(colour::GREY, 6.0))?;
-        let (black, name) = method_style("truth");
-        let mut entries = vec![Entry::line(black, name)];
-        path(&axes, &truth, black)?;
-        let methods = ["odometry", "doppler", "planar"];
-        entries.extend(one_trial(&axes, &table, "0", &methods)?);
-        axes.finish("estimated positions (first trial)")?;
-        let notes = [
-            "(b) was given the walls of the scene as planes;",
-            "Doppler has only the map image from echoes.",
-            "\u{25cf} start   \u{25a0} end   grey: walls",
-        ];
-        column(sheet, entries, &notes)
     })
 }
 

@@ -1,4 +1,4 @@
-//! Files of the results folder: atomic writes, the cache, and the data between what computes and what draws.
+//! Files of the results folder: atomic writes, the cache, and the data that studies write and figures read.
 
 pub mod atomic;
 pub mod cache;

@@ -1,11 +1,12 @@
-//! Hashes the localizer's source, so that cached trials of other code are not taken for those of this code.
+//! Hashes the localizer's source, so that cached trials of other code are not reused.
 
 use std::hash::Hasher;
 use std::path::{Path, PathBuf};
 
 use fnv::FnvHasher;
 
-/// From the package's folder, where build scripts run; relative, so that a copied build folder is not taken for up to date.
+/// From the package's folder, where build scripts run; relative, so that a copied build folder is not up to date by
+/// mistake.
 const LOCALIZER: &str = "../localizer/src";
 
 fn main() {
@@ -18,7 +19,10 @@ fn main() {
         println!("cargo::rerun-if-changed={}", file.display());
         hasher.write(&std::fs::read(&file).unwrap_or_default());
     }
-    println!("cargo::rustc-env=LOCALIZER_PRINT={:016x}", hasher.finish());
+    println!(
+        "cargo::rustc-env=LOCALIZER_FINGERPRINT={:016x}",
+        hasher.finish()
+    );
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {

@@ -1,12 +1,14 @@
-//! How many subnormal numbers a drive meets: `cargo run --release -p experiments --example subnormal_share [SCENE] [PATH] [STEPS]`.
+//! Share of subnormal numbers in the field of a drive: `cargo run --release -p experiments --example subnormal_share
+//! [SCENE] [PATH] [STEPS]`.
 //!
-//! Prints, as the drive goes on, the share of the pressure's cells that hold a subnormal number, and at the end the share of
-//! all cell updates of the whole drive that these are, if no more come after the steps looked at.
+//! Prints, as the drive goes on, the share of the pressure's cells that hold a subnormal number, and at the end the
+//! share of all cell updates of the whole drive that these are, if no more come after the steps looked at.
 
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
-use experiments::simulate::{Engine, Take, prepare};
+use experiments::recordings::simulate::prepare;
+use experiments::recordings::{Engine, RecordingSpec};
 use fdtd::scene::Scene;
 use fdtd::simulation::Flow;
 
@@ -22,7 +24,7 @@ fn main() -> Result<()> {
     };
     ensure!(steps > 0, "STEPS 0: should be at least 1");
     let scene = Scene::load(&PathBuf::from(scene))?;
-    let mut simulation = prepare(&scene, &Take::of(&path, Engine::Fdtd), 0)?;
+    let mut simulation = prepare(&scene, &RecordingSpec::of(&path, Engine::Fdtd), 0)?;
     // Cells times steps with a subnormal number, each look standing for the steps since the one before.
     let (mut subnormal, mut last, mut seen) = (0.0, 0, 0);
     simulation.run(&mut |progress, simulation| {

@@ -1,28 +1,19 @@
-//! The papers' studies: simulate recordings, localize, measure, draw, check; behind the command line tool `echolot`.
+//! The papers' studies: recordings are simulated, localized and measured; data files are drawn and checked. The command
+//! line tool `echolot` is in [`cli`].
 
-pub mod atomic;
 pub mod bench;
-pub mod cache;
 pub mod check;
 pub mod cli;
-mod click;
+pub mod data;
 pub mod figures;
-pub mod interrupt;
-pub mod laboratory;
 pub mod metrics;
-pub mod multipath;
-pub mod noise;
-pub mod preset;
-pub mod progress;
-pub mod provenance;
-pub mod robot;
+pub mod recordings;
+pub mod run;
 pub mod schedule;
-pub mod simulate;
+pub mod session;
 pub mod study;
 pub mod summary;
-pub mod table;
 pub mod trials;
-pub mod ultrasound;
 pub mod validate;
 
 /// The Rust examples of the project's README, compiled as documentation tests.

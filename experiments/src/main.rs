@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use experiments::check::CheckFailed;
 use experiments::cli::Cli;
-use experiments::interrupt::{self, Interrupted};
+use experiments::run::interrupt::{self, Interrupted};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     ExitCode::from(code)
 }
 
-/// The causes of an error in one line; a cause that the one before has told already is left out.
+/// The causes of an error in one line, without those that the cause before contains.
 fn one_line(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain() {

@@ -1,4 +1,4 @@
-//! Measures of localization: position error, its mean over a drive, its distribution, and how sure the mean is.
+//! Measures of localization: mean, quantiles and distribution of the position error, and intervals of the mean.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -12,7 +12,8 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Quantile `fraction` (0 to 1) of `values` by linear interpolation between order statistics; `NaN` when there are none.
+/// Quantile `fraction` (0 to 1) of `values` by linear interpolation between order statistics; `NaN` when there are
+/// none.
 pub fn quantile(values: &[f64], fraction: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

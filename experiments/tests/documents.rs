@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use experiments::check::targets::Targets;
+use experiments::check::verdicts::judge;
 use experiments::check::{readme, report};
 use experiments::summary::Summary;
 
@@ -11,7 +12,7 @@ use experiments::summary::Summary;
 const WIDTH: usize = 120;
 
 /// Folders whose Rust files keep to it.
-const SOURCES: [&str; 3] = ["fdtd", "oracles", "localizer"];
+const SOURCES: [&str; 4] = ["fdtd", "oracles", "localizer", "experiments"];
 
 /// The workspace's folder.
 fn root() -> PathBuf {
@@ -25,7 +26,7 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Adds the files with an extension below a folder, without what is built, cached or hidden.
+/// Adds the files with an extension below a folder, without built, cached or hidden folders.
 fn collect(folder: &Path, extension: &str, files: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -51,7 +52,7 @@ fn documents() -> Vec<PathBuf> {
     files
 }
 
-/// The lines of a text that stand outside of fenced blocks, with their numbers from 1.
+/// The lines of a text outside of fenced blocks, with their numbers from 1.
 fn prose(text: &str) -> Vec<(usize, &str)> {
     let mut fenced = false;
     text.lines()
@@ -66,12 +67,12 @@ fn prose(text: &str) -> Vec<(usize, &str)> {
         .collect()
 }
 
-/// A line without what stands between backticks.
+/// A line without the text between backticks.
 fn without_code(line: &str) -> String {
     line.split('`').step_by(2).collect::<Vec<_>>().join("``")
 }
 
-/// Where the links of a line lead.
+/// Targets of the links of a line.
 fn links(line: &str) -> Vec<String> {
     let line = without_code(line);
     line.match_indices("](")
@@ -192,7 +193,7 @@ fn claims_are_current() {
     let summary = |preset: &str| Summary::read(&results.join(preset).join("summary.json")).unwrap();
     let (paper, quick) = (summary("paper"), summary("quick"));
     let targets = Targets::load().unwrap();
-    let judged = targets.judge(&paper).unwrap();
+    let judged = judge(&targets, &paper).unwrap();
     let file = root().join("README.md");
     let text = read(&file);
     let blocks = [
@@ -217,7 +218,8 @@ fn the_command_line_is_current() {
     );
 }
 
-/// Source files named in backticks with their path from the workspace's folder, but those that a reader is to write (`my_...`).
+/// Source files named in backticks with their path from the workspace's folder, except those that a reader writes
+/// (`my_...`).
 #[test]
 fn source_files_that_documents_name_exist() {
     let mut missing = Vec::new();

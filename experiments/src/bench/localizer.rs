@@ -12,8 +12,8 @@ use localizer::{EchoBlock, EchoSequence, MapImage, Method, Odometry, Parameters,
 use serde::Serialize;
 
 use super::stopwatch::Stopwatch;
-use crate::interrupt;
 use crate::metrics::quantile;
+use crate::run::interrupt;
 
 /// Steps timed.
 const STEPS: usize = 200;
@@ -21,7 +21,7 @@ const STEPS: usize = 200;
 const WARM_UP: usize = 10;
 /// Half width of the matched window, metres.
 const HALF_WIDTH_M: f64 = 4.0;
-/// A circle of one metre around the origin: the robot stays in its map however long it is timed.
+/// A circle of one metre around the origin: the robot stays in its map for any number of steps.
 const CIRCLE: Odometry = Odometry {
     v_mps: 0.3,
     omega_radps: 0.3,
@@ -36,15 +36,15 @@ pub struct Row {
     pub threads: usize,
     /// Steps timed.
     pub steps: usize,
-    /// Mean time that the thread was running, milliseconds: what a step costs, however busy the machine is.
+    /// Mean processor time, milliseconds: the cost of a step, also on a busy machine.
     pub running_ms: f64,
-    /// Median on the wall, milliseconds.
+    /// Median by the wall clock, milliseconds.
     pub median_ms: f64,
     /// 95 of 100 take less, milliseconds.
     pub p95_ms: f64,
-    /// What it may take for the robot to keep up comfortably, milliseconds.
+    /// Limit for real time with a reserve, milliseconds.
     pub limit_ms: f64,
-    /// What the 2024 paper reports for its MATLAB code (filter: with a window of 3 m), milliseconds.
+    /// Time of the 2024 paper's MATLAB code (filter: with a window of 3 m), milliseconds.
     pub paper_ms: f64,
     /// Periods M of a block.
     pub periods: usize,
@@ -71,9 +71,9 @@ fn noise(length: usize) -> Vec<f32> {
 
 /// Milliseconds of the calls of `work` after the warm-up.
 struct Times {
-    /// Mean while the thread was running.
+    /// Mean processor time.
     running: f64,
-    /// Each on the wall.
+    /// Each by the wall clock.
     wall: Vec<f64>,
 }
 

@@ -1,30 +1,13 @@
-//! What the machine can do at most with some threads at once: the roofs of the roofline.
+//! Peak rates of the machine with some threads at once: the roofs of the roofline.
 
 use std::sync::Barrier;
 
 use fdtd::field::probe;
-use serde::{Deserialize, Serialize};
 
-/// Times that each probe is repeated; the best counts, because a peak is what nothing disturbed.
+use crate::data::peaks::Peaks;
+
+/// Times that each probe is repeated; the best counts, because a peak is reached without disturbance only.
 const REPEATS: usize = 5;
-
-/// Rates of some threads together.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Peaks {
-    /// How many threads.
-    pub threads: usize,
-    /// Fused multiply-adds in registers, 10^9 flops per second.
-    pub fma_gflops: f64,
-    /// Loads from the first-level cache, 10^9 bytes per second.
-    pub l1_load_gbps: f64,
-    /// Loads from memory, 10^9 bytes per second.
-    pub memory_gbps: f64,
-}
-
-/// The peaks measured with this many threads.
-pub fn of(peaks: &[Peaks], threads: usize) -> Option<&Peaks> {
-    peaks.iter().find(|peak| peak.threads == threads)
-}
 
 /// Measures `threads` threads at the same time.
 pub fn measure(threads: usize) -> Peaks {
@@ -36,7 +19,7 @@ pub fn measure(threads: usize) -> Peaks {
     }
 }
 
-/// The best sum of rates over some repeats; the threads start each together.
+/// The best sum of rates over some repeats, in each of which the threads start together.
 fn best(threads: usize, probe: impl Fn() -> f64 + Sync) -> f64 {
     let once = || {
         let start = Barrier::new(threads);
@@ -64,13 +47,5 @@ mod tests {
     #[test]
     fn the_best_repeat_of_all_threads_together_counts() {
         assert_eq!(best(3, || 2.0), 6.0);
-        let peaks = [1, 2].map(|threads| Peaks {
-            threads,
-            fma_gflops: 1.0,
-            l1_load_gbps: 1.0,
-            memory_gbps: 1.0,
-        });
-        assert_eq!(of(&peaks, 2).map(|peak| peak.threads), Some(2));
-        assert_eq!(of(&peaks, 3), None);
     }
 }

@@ -1,9 +1,8 @@
-//! Time that this thread was running: on a machine that others use too, a far better measure of one thread's work than time
-//! on the wall.
+//! Processor time of this thread: on a shared machine a far better measure of one thread's work than the wall clock.
 
 use std::time::Instant;
 
-/// Started now, read by [`Stopwatch::seconds`].
+/// A running stopwatch, read by [`Stopwatch::seconds`].
 pub(super) struct Stopwatch {
     wall: Instant,
     running_s: Option<f64>,
@@ -18,7 +17,7 @@ impl Stopwatch {
         }
     }
 
-    /// Seconds that this thread was running since the start; seconds on the wall where the system does not tell.
+    /// Processor time of this thread since the start, seconds; wall-clock time where the system does not report it.
     pub(super) fn seconds(&self) -> f64 {
         let wall = self.wall.elapsed().as_secs_f64();
         match (self.running_s, running_s()) {
@@ -28,14 +27,14 @@ impl Stopwatch {
     }
 }
 
-/// Seconds that this thread has been running so far.
+/// Processor time of this thread so far, seconds.
 #[cfg(unix)]
 fn running_s() -> Option<f64> {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
 }
 
-/// Seconds that this thread has been running so far, if the system told.
+/// Processor time of this thread so far, seconds; `None` where the system does not report it.
 #[cfg(not(unix))]
 fn running_s() -> Option<f64> {
     None

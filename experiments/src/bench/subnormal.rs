@@ -1,19 +1,21 @@
-//! Speed while the first wave front crosses a silent field, beside that of a field in full swing. Ahead of the front the field falls off through all
-//! magnitudes, and some processors take a hundred cycles for each operation on a subnormal number; quiet steps keep
-//! them away ([`fdtd::field::flushes_subnormals`]). The third measurement leaves the quiet steps out.
+//! Speed while the first wave front crosses a silent field, beside that of a field of normal numbers. Ahead of the
+//! front the field falls off through all magnitudes, and some processors take a hundred cycles for each operation on a
+//! subnormal number; quiet steps flush them ([`fdtd::field::flushes_subnormals`]). The third measurement leaves the quiet steps
+//! out.
 
 use anyhow::Result;
 use fdtd::field::{FastField, Field, StepForcing, flushes_subnormals};
 use fdtd::scheme::Scheme;
 use serde::Serialize;
 
+use super::case::{FORCING, forcing, noise, setup};
 use super::stopwatch::Stopwatch;
-use crate::interrupt;
+use crate::run::interrupt;
 
 /// Rounds of all measurements in turn; their sum counts.
 const ROUNDS: usize = 5;
-/// Cells that a timed piece updates.
-const PIECE_CELLS: usize = 200_000_000;
+/// Cell updates of a timed interval.
+const INTERVAL_CELLS: usize = 200_000_000;
 
 /// The fast engine on one thread, in time that the thread was running.
 #[derive(Debug, Clone, Serialize)]
@@ -24,7 +26,7 @@ pub struct Row {
     pub nx: usize,
     /// Cells along y.
     pub ny: usize,
-    /// Steps of each timed piece.
+    /// Steps of each timed interval.
     pub steps: usize,
     /// Speed on numbers around 1, 10^9 cells per second.
     pub normal_gcells_per_s: f64,
@@ -34,7 +36,7 @@ pub struct Row {
     pub loud_start_gcells_per_s: f64,
     /// Time of the start over that on numbers around 1.
     pub time_ratio: f64,
-    /// The same without quiet steps: what subnormal numbers cost on this machine.
+    /// The same without quiet steps: the cost of subnormal numbers on this machine.
     pub loud_time_ratio: f64,
     /// Share of cells that are subnormal after the start.
     pub subnormal_share: f64,
@@ -56,21 +58,17 @@ fn subnormal_share(field: &FastField) -> f64 {
 /// # Panics
 /// When a side has fewer than [`super::SMALLEST`] cells.
 pub fn measure(nx: usize, ny: usize, steps: Option<usize>) -> Result<Vec<Row>> {
-    let steps = steps.unwrap_or((PIECE_CELLS / (nx * ny)).clamp(8, super::FORCING));
+    let steps = steps.unwrap_or((INTERVAL_CELLS / (nx * ny)).clamp(8, FORCING));
     let mut rows = Vec::new();
     for scheme in Scheme::ALL {
-        let loud: Vec<StepForcing> = super::forcing(nx, ny)
-            .into_iter()
-            .cycle()
-            .take(steps)
-            .collect();
+        let loud: Vec<StepForcing> = forcing(nx, ny).into_iter().cycle().take(steps).collect();
         let mut quiet = loud.clone();
         for (n, step) in quiet.iter_mut().enumerate() {
             step.flush = flushes_subnormals(scheme, n as u64);
         }
-        let mut field = FastField::new(super::setup(nx, ny, scheme), 1);
+        let mut field = FastField::new(setup(nx, ny, scheme), 1);
         let silent = field.state();
-        let full = super::noise(silent.clone());
+        let full = noise(silent.clone());
         let cases = [(&full, &quiet), (&silent, &quiet), (&silent, &loud)];
         let mut seconds = [0.0_f64; 3];
         let mut shares = [0.0_f64; 3];

@@ -5,15 +5,16 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use crate::atomic;
+use crate::data::atomic;
+use crate::data::table::aligned;
 use crate::metrics::Accuracy;
-use crate::preset::Preset;
+use crate::run::preset::Preset;
 use crate::summary::Summary;
 
-/// Share by which an error may grow without alarm, beside its interval.
+/// Share by which an error may grow beyond the mean of the baseline.
 const TOLERANCE: f64 = 0.10;
 
-/// Accuracies that a later summary is held against.
+/// Accuracies that later summaries are compared with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Baseline {
@@ -52,7 +53,7 @@ pub struct Verdict {
     pub passed: bool,
 }
 
-/// The named accuracies of a summary that the gate watches.
+/// The named accuracies of a summary that the gate compares.
 fn measures(summary: &Summary) -> Vec<Measure> {
     let measure = |name: String, accuracy: &Accuracy| Measure {
         name,
@@ -114,8 +115,8 @@ impl Baseline {
         atomic::write(path, text.as_bytes())
     }
 
-    /// Verdicts on `summary`: a measure fails when its error lies above the interval of the baseline and above its mean by more
-    /// than 10 %, or when it is missing.
+    /// Verdicts on `summary`: a measure fails when its error lies above the interval of the baseline and above its mean
+    /// by more than 10 %, or when it is missing.
     pub fn judge(&self, summary: &Summary) -> Vec<Verdict> {
         let now = measures(summary);
         self.measures
@@ -156,7 +157,7 @@ pub fn table(verdicts: &[Verdict]) -> String {
             if verdict.passed { "ok" } else { "WORSE" }.to_string(),
         ]
     }));
-    super::aligned(&rows)
+    aligned(&rows)
 }
 
 #[cfg(test)]

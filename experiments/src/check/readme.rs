@@ -1,17 +1,18 @@
-//! What the project's README shows of the results: its tables are written between marks, never by hand.
+//! Generated parts of the project's README: tables of the results between marks.
 
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
 use super::report::{count, ours, verdict};
-use super::targets::{Judged, Targets};
-use crate::atomic;
-use crate::progress::duration;
-use crate::provenance::Provenance;
+use super::targets::Targets;
+use super::verdicts::Judged;
+use crate::data::atomic;
+use crate::run::progress::duration;
+use crate::run::provenance::Provenance;
 use crate::summary::Summary;
 
-/// A generated part of a Markdown file: its name, and the text that stands between its marks.
+/// A generated part of a Markdown file: its name, and the text between its marks.
 pub struct Block {
     name: &'static str,
     text: String,
@@ -24,7 +25,7 @@ impl Block {
     }
 }
 
-/// The claims that README shows, and what has to be known to read them.
+/// The claims that README shows, and their caveats.
 pub fn claims(targets: &Targets, judged: &[Judged]) -> Block {
     let mut text = String::from(
         "| claim | where | paper | ours [95 % interval] | verdict |\n|---|---|---|---|---|\n",
@@ -53,7 +54,7 @@ pub fn claims(targets: &Targets, judged: &[Judged]) -> Block {
     }
 }
 
-/// The commands of a first visit, with the time that the committed results took.
+/// The commands for newcomers, with the durations of the committed results.
 pub fn commands(quick: Option<&Summary>, paper: &Summary) -> Block {
     let time = |summary: Option<&Summary>| {
         summary.map_or_else(String::new, |summary| taken(&summary.provenance))
@@ -78,7 +79,8 @@ pub fn commands(quick: Option<&Summary>, paper: &Summary) -> Block {
         (
             "make claims",
             "a moment".to_string(),
-            "a verdict on every claim in `results/paper/report.md`, and the tables of this page; exits with 1 while a claim is not reproduced",
+            "a verdict on every claim in `results/paper/report.md`, and the tables of this page; exits with 1 \
+            while a claim is not reproduced",
         ),
         ("make test", "minutes".to_string(), "all tests"),
     ] {
@@ -90,7 +92,7 @@ pub fn commands(quick: Option<&Summary>, paper: &Summary) -> Block {
     }
 }
 
-/// How long a run's stages took, and on what.
+/// Durations of a run's stages, and the machine.
 fn taken(provenance: &Provenance) -> String {
     format!(
         "{} ({}, {} threads)",
@@ -118,7 +120,7 @@ fn wrapped(text: &str, indent: &str) -> String {
     lines.join(&format!("\n{indent}"))
 }
 
-/// Replaces what stands between the marks of each block in a Markdown text; `origin` is the file it came from.
+/// Replaces the text between the marks of each block in a Markdown text; `origin` is the file it came from.
 ///
 /// # Errors
 /// When the text lacks the marks of the first block. Other blocks may be left out.
@@ -156,13 +158,14 @@ pub fn insert(file: &Path, blocks: &[Block]) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preset::Preset;
+    use crate::check::verdicts::judge;
+    use crate::run::preset::Preset;
 
     #[test]
-    fn blocks_replace_what_stands_between_their_marks() {
+    fn blocks_replace_the_text_between_their_marks() {
         let targets = Targets::load().unwrap();
         let summary = Summary::new(Preset::Paper);
-        let judged = targets.judge(&summary).unwrap();
+        let judged = judge(&targets, &summary).unwrap();
         let blocks = || [claims(&targets, &judged), commands(None, &summary)];
         let folder = tempfile::tempdir().unwrap();
         let readme = folder.path().join("README.md");

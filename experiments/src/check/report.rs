@@ -4,9 +4,10 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::aligned;
-use super::targets::{Judged, Measure, Targets, Verdict};
-use crate::atomic;
+use super::targets::{Measure, Targets};
+use super::verdicts::{Judged, Verdict};
+use crate::data::atomic;
+use crate::data::table::aligned;
 use crate::summary::Summary;
 
 /// Our number with its interval.
@@ -17,7 +18,7 @@ pub(super) fn ours(judged: &Judged) -> String {
     }
 }
 
-/// The verdict, loud where a claim is not reproduced.
+/// The verdict, bold where a claim is not reproduced.
 pub(super) fn verdict(judged: &Judged) -> &'static str {
     match judged.verdict {
         Verdict::NotReproduced => "**not reproduced**",
@@ -25,7 +26,7 @@ pub(super) fn verdict(judged: &Judged) -> &'static str {
     }
 }
 
-/// How many claims got each verdict, in words.
+/// Number of claims with each verdict, as text.
 pub fn count(judged: &[Judged]) -> String {
     [
         Verdict::Reproduced,
@@ -66,7 +67,7 @@ pub fn table(judged: &[Judged]) -> String {
     aligned(&rows)
 }
 
-/// The report as Markdown: one table per paper, then how each number was found.
+/// The report as Markdown: one table per paper, then the way to each number.
 pub fn markdown(targets: &Targets, judged: &[Judged], summary: &Summary) -> String {
     let cell = |text: &str| text.replace('|', "\\|");
     let mut text = format!(
@@ -135,13 +136,14 @@ pub fn write(folder: &Path, targets: &Targets, judged: &[Judged], summary: &Summ
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preset::Preset;
+    use crate::check::verdicts::judge;
+    use crate::run::preset::Preset;
 
     #[test]
     fn the_report_names_every_claim_and_paper() {
         let targets = Targets::load().unwrap();
         let summary = Summary::new(Preset::Paper);
-        let judged = targets.judge(&summary).unwrap();
+        let judged = judge(&targets, &summary).unwrap();
         let folder = tempfile::tempdir().unwrap();
         write(folder.path(), &targets, &judged, &summary).unwrap();
         let text = std::fs::read_to_string(folder.path().join("report.md")).unwrap();

@@ -4,9 +4,22 @@
 
 use serde_json::Value;
 
-use super::targets::{Finding, Target, at, interval};
+use super::targets::Target;
 
-/// What a summary says to a claim; none when a study it needs has not been run.
+/// Result of a claim in a summary.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Finding {
+    /// Our number as text.
+    pub(super) ours: String,
+    /// Its 95 % interval, where it has one.
+    pub(super) interval: Option<[f64; 2]>,
+    /// Number of trials behind it, where there are several.
+    pub(super) trials: Option<usize>,
+    /// Whether the claim holds.
+    pub(super) holds: bool,
+}
+
+/// The finding for a claim; `None` when a study it needs has not been run.
 pub(super) type Rule = fn(&Value, &Target) -> Option<Finding>;
 
 /// All rules.
@@ -118,7 +131,7 @@ pub(super) const RULES: &[(&str, Rule)] = &[
             found["single"]["final_m"].as_f64()?,
             found["spatial"]["final_m"].as_f64()?,
         );
-        // With a narrow gate no model loses the path: the verdict depends on it, so it stands beside it.
+        // With a narrow gate no model loses the path: the verdict depends on it, so it is shown too.
         let narrow = found["gates"]
             .as_array()?
             .iter()
@@ -170,6 +183,19 @@ pub(super) const RULES: &[(&str, Rule)] = &[
         ))
     }),
 ];
+
+/// The part of a summary at keys joined by dots, unless it is missing or null.
+pub(super) fn at<'a>(summary: &'a Value, path: &str) -> Option<&'a Value> {
+    path.split('.')
+        .try_fold(summary, |value, key| value.get(key))
+        .filter(|value| !value.is_null())
+}
+
+/// The 95 % interval of an accuracy.
+pub(super) fn interval(accuracy: &Value) -> Option<[f64; 2]> {
+    let ends = accuracy["interval_m"].as_array()?;
+    Some([ends.first()?.as_f64()?, ends.get(1)?.as_f64()?])
+}
 
 /// A finding without interval.
 fn plain(ours: String, holds: bool) -> Finding {

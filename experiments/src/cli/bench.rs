@@ -5,14 +5,17 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail, ensure};
 
 use super::output::print_json;
-use crate::bench::peaks::{self, Peaks};
-use crate::bench::{Row, SMALLEST, localizer, measure, subnormal};
-use crate::{atomic, figures, progress::Board};
+use crate::bench::engines::{Row, measure};
+use crate::bench::{SMALLEST, localizer, peaks, subnormal};
+use crate::data::atomic;
+use crate::data::peaks::Peaks;
+use crate::figures;
+use crate::run::progress::Board;
 
 /// Sides of the squares measured when no size is given.
 const SIDES: [usize; 6] = [256, 512, 1000, 2000, 4000, 8000];
 
-/// Grid of the comparison of a field that starts with one in full swing when no size is given.
+/// Default grid of the comparison between a starting field and a field of normal numbers.
 const SUBNORMAL: (usize, usize) = (1000, 1000);
 
 /// More threads than any grid has strips for.
@@ -22,7 +25,8 @@ const MOST_THREADS: usize = 1024;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot bench --cells 1000x1000 --threads 2\n\n\
-    Without --json it also times the start of a field and the localizer's steps, and writes bench.json, localizer.json and roofline.png: \
+    Without --json it also times the start of a field and the localizer's steps, and writes bench.json, \
+    localizer.json and roofline.png: \
     the whole table into results/bench, one grid only where --output says."
 )]
 pub(crate) struct Arguments {
@@ -45,7 +49,7 @@ fn needed_bytes(nx: usize, ny: usize) -> Option<usize> {
     nx.checked_mul(ny)?.checked_mul(12)
 }
 
-/// Memory that is free, in bytes; unlimited where the system does not tell.
+/// Free memory in bytes; unlimited where the system does not report it.
 fn available_bytes() -> usize {
     let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     text.lines()
@@ -80,7 +84,8 @@ fn parse(text: &str) -> Result<(usize, usize)> {
 /// A row of the table.
 fn line(row: &Row) -> String {
     format!(
-        "{:9} {} {}x{} {} thread(s): {:.2} Gcell/s, {:.2} x reference per thread, {:.0} % of the peak ({} flop and {} byte a cell)",
+        "{:9} {} {}x{} {} thread(s): {:.2} Gcell/s, {:.2} x reference per thread, {:.0} % of the peak ({} flop \
+        and {} byte a cell)",
         row.engine,
         row.scheme,
         row.nx,
@@ -113,7 +118,7 @@ impl Arguments {
             None => SIDES.map(|side| (side, side)).to_vec(),
         };
         let board = Board::new();
-        // The plain engine has one thread whatever the fast one has.
+        // The plain engine always has one thread.
         let mut counts = vec![1];
         counts.extend(threads.iter().filter(|&&count| count > 1));
         let peaks: Vec<Peaks> = counts.into_iter().map(peaks::measure).collect();
@@ -137,7 +142,8 @@ impl Arguments {
         }
         for peak in &peaks {
             board.say(format!(
-                "{} thread(s): {:.0} Gflop/s (fused multiply-adds), {:.0} GB/s (first-level cache), {:.1} GB/s (memory)",
+                "{} thread(s): {:.0} Gflop/s (fused multiply-adds), {:.0} GB/s (first-level cache), {:.1} GB/s \
+                (memory)",
                 peak.threads, peak.fma_gflops, peak.l1_load_gbps, peak.memory_gbps
             ));
         }
@@ -145,7 +151,8 @@ impl Arguments {
         let subnormal = subnormal::measure(nx, ny, self.steps)?;
         for row in &subnormal {
             board.say(format!(
-                "{} {nx}x{ny}, first {} steps from silence: {:.2} times the time of a field in full swing ({:.2} and {:.2} Gcell/s); without quiet steps {:.2} times",
+                "{} {nx}x{ny}, first {} steps from silence: {:.2} times the time of a field in full swing \
+                ({:.2} and {:.2} Gcell/s); without quiet steps {:.2} times",
                 row.scheme,
                 row.steps,
                 row.time_ratio,
@@ -157,7 +164,8 @@ impl Arguments {
         let steps = localizer::measure()?;
         for row in &steps {
             board.say(format!(
-                "{:12} 1 thread: {:.2} ms running; on the wall median {:.2} ms, 95 % below {:.2} ms; limit {} ms, paper {} ms",
+                "{:12} 1 thread: {:.2} ms running; on the wall median {:.2} ms, 95 % below {:.2} ms; limit {} \
+                ms, paper {} ms",
                 row.stage, row.running_ms, row.median_ms, row.p95_ms, row.limit_ms, row.paper_ms
             ));
         }

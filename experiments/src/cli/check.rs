@@ -6,16 +6,18 @@ use anyhow::{Result, bail};
 
 use super::output::{print, print_json};
 use crate::check::gate::{self, Baseline};
-use crate::check::targets::{Targets, Verdict};
+use crate::check::targets::Targets;
+use crate::check::verdicts::{Verdict, judge};
 use crate::check::{CheckFailed, readme, report};
-use crate::preset::Preset;
+use crate::run::preset::Preset;
 use crate::summary::Summary;
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  echolot check --preset quick\n\n\
     quick: fails when an error lies above its baseline by more than the baseline's interval and 10 %.\n\
-    paper: holds the claims of experiments/targets.json against the summary, writes report.md beside it, and fails when a \
+    paper: holds the claims of experiments/targets.json against the summary, writes report.md beside it, and \
+    fails when a \
     claim that can be tested is not reproduced.")]
 pub(crate) struct Arguments {
     /// Preset that is checked.
@@ -57,7 +59,7 @@ impl Arguments {
         }
         let (failed, of, what) = if self.preset == Preset::Paper && self.baseline.is_none() {
             let targets = Targets::load()?;
-            let judged = targets.judge(&summary)?;
+            let judged = judge(&targets, &summary)?;
             let folder = self.results.join(self.preset.name());
             report::write(&folder, &targets, &judged, &summary)?;
             if let Some(file) = &self.into {

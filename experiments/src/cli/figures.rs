@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 
 use super::output::{print, print_json};
 use crate::figures::{Drawn, draw_all, draw_bench};
-use crate::preset::Preset;
+use crate::run::preset::Preset;
 
 /// Arguments of `figures`.
 #[derive(Debug, clap::Args)]

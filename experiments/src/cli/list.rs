@@ -3,7 +3,7 @@
 use anyhow::Result;
 
 use super::output::{print, print_json};
-use crate::check::aligned;
+use crate::data::table::aligned;
 use crate::study::STUDIES;
 
 /// Arguments of `list`.

@@ -6,10 +6,10 @@ use anyhow::Result;
 use clap::ValueEnum;
 use localizer::{MapImage, Method, Pose, Recording, echo, offline};
 
-use super::ParameterArguments;
+use super::arguments::ParameterArguments;
 use super::output::{print, print_json};
 use crate::metrics::{mean, quantile, rounded};
-use crate::progress::Board;
+use crate::run::progress::Board;
 
 /// Method of localization.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -6,10 +6,10 @@ use anyhow::{Result, bail};
 use localizer::image::map_image;
 use localizer::{EchoSequence, Pose, Recording, echo};
 
-use super::ParameterArguments;
+use super::arguments::ParameterArguments;
 use super::output::print_json;
-use crate::interrupt;
-use crate::progress::Board;
+use crate::run::interrupt;
+use crate::run::progress::Board;
 
 /// Arguments of `map`.
 #[derive(Debug, clap::Args)]

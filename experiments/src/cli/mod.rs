@@ -1,5 +1,6 @@
 //! The command line of `echolot`, one file per command.
 
+mod arguments;
 mod bench;
 mod check;
 mod figures;
@@ -13,15 +14,8 @@ mod scene;
 mod simulate;
 mod validate;
 
-use std::path::PathBuf;
-
-use anyhow::{Context, Result, bail};
-use clap::{Parser, Subcommand};
-use localizer::Parameters;
-
-pub use reference::page as reference;
-
-use crate::simulate::{Engine, IMAGE_ORDER};
+use anyhow::Result;
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Simulate, map and localize with Doppler-resolved echoes, and reproduce the papers' studies.
 ///
@@ -67,11 +61,11 @@ enum Command {
 }
 
 impl Cli {
-    /// Does what was asked for.
+    /// Runs the command.
     ///
     /// # Errors
-    /// One error that says what was wrong with which file; [`crate::check::CheckFailed`] and
-    /// [`crate::interrupt::Interrupted`] have exit codes of their own.
+    /// An error that names file, field and remedy; [`crate::check::CheckFailed`] and
+    /// [`crate::run::interrupt::Interrupted`] have exit codes of their own.
     pub fn run(self) -> Result<()> {
         let json = self.json;
         match self.command {
@@ -85,55 +79,12 @@ impl Cli {
             Command::Bench(arguments) => arguments.run(json),
             Command::Validate(arguments) => arguments.run(json),
             Command::List(arguments) => arguments.run(json),
-            Command::Reference(arguments) => arguments.run(),
+            Command::Reference(arguments) => arguments.run(&reference()),
         }
     }
 }
 
-/// What computes the sound.
-#[derive(Debug, Clone, Copy, clap::Args)]
-struct EngineArguments {
-    /// What computes the sound: the field, or image sources (approximate, seconds).
-    #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
-    engine: Engine,
-    /// Most reflections of an echo by image sources [default: 2].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=6))]
-    image_order: Option<u8>,
-}
-
-impl EngineArguments {
-    /// Most reflections of an image source's echo.
-    fn image_order(&self) -> Result<usize> {
-        if let (Engine::Fdtd, Some(order)) = (self.engine, self.image_order) {
-            bail!(
-                "--image-order {order}: is for image sources, the field has all reflections; add --engine image-source or leave it out"
-            );
-        }
-        Ok(usize::from(self.image_order.unwrap_or(IMAGE_ORDER)))
-    }
-}
-
-/// Where the parameters of the localizer come from.
-#[derive(Debug, Clone, clap::Args)]
-struct ParameterArguments {
-    /// JSON file with parameters of the localizer; those it leaves out keep the paper's values.
-    #[arg(long, value_name = "FILE")]
-    parameters: Option<PathBuf>,
-}
-
-impl ParameterArguments {
-    /// Reads the file, if one was given.
-    fn read(&self) -> Result<Parameters> {
-        let Some(path) = &self.parameters else {
-            return Ok(Parameters::default());
-        };
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        serde_json::from_str(&text).with_context(|| path.display().to_string())
-    }
-}
-
-/// A spelling in files (`slf`, `kaiser8`) as an argument.
-fn named<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
-    serde_json::from_value(serde_json::Value::String(text.to_string()))
-        .map_err(|error| error.to_string())
+/// The help of all commands as one Markdown page.
+pub fn reference() -> String {
+    reference::page(Cli::command())
 }

@@ -1,4 +1,4 @@
-//! Standard output, whose reader may have had enough.
+//! Standard output, whose reader may close it early.
 
 use std::io::{ErrorKind, Write};
 
@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Prints a text as it is. A pipe that was closed at the other end (`echolot list | head -1`) is no failure.
 ///
 /// # Errors
-/// When standard output takes nothing for another reason.
+/// When writing fails for another reason.
 pub(super) fn print(text: &str) -> Result<()> {
     let mut output = std::io::stdout().lock();
     match output

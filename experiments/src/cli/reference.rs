@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use clap::{Command, CommandFactory};
+use clap::Command;
 
-use super::Cli;
 use super::output::print;
-use crate::atomic;
+use crate::data::atomic;
 
 /// Arguments of `reference`.
 #[derive(Debug, clap::Args)]
@@ -22,21 +21,21 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// Runs the command.
-    pub(crate) fn run(self) -> Result<()> {
+    /// Writes or prints the page.
+    pub(crate) fn run(self, page: &str) -> Result<()> {
         match self.output {
-            Some(file) => atomic::write(&file, page().as_bytes()),
-            None => print(&page()),
+            Some(file) => atomic::write(&file, page.as_bytes()),
+            None => print(page),
         }
     }
 }
 
-/// The help of every command as one Markdown page.
-pub fn page() -> String {
+/// The help of every command below `root` as one Markdown page.
+pub(super) fn page(root: Command) -> String {
     let mut text = String::from(
         "# Command line\n\nWritten by `make reference` from the program; do not edit.\n",
     );
-    let mut root = Cli::command().term_width(100);
+    let mut root = root.term_width(100);
     root.build();
     describe(&mut root, &mut text);
     text

@@ -4,20 +4,24 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 
+use super::arguments::{EngineArguments, ParameterArguments};
 use super::output::{print, print_json};
-use super::{EngineArguments, ParameterArguments};
+
 use crate::check::report;
 use crate::check::targets::Targets;
+use crate::check::verdicts::judge;
 use crate::figures;
-use crate::laboratory::{Laboratory, Request};
-use crate::preset::Preset;
-use crate::study::{STUDIES, Study, run, table};
+use crate::run::preset::Preset;
+use crate::session::{Request, Session};
+use crate::study::{STUDIES, Study, run};
+use crate::summary::table;
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot run --preset paper\n  echolot run odometry-drift snr --preset paper\n\n\
-    Recordings and trials are cached: what is there is not computed again, and an interrupted run goes on where it stopped. \
+    Recordings and trials are cached: what is there is not computed again, and an interrupted run goes on where \
+    it stopped. \
     `echolot list` names the studies."
 )]
 pub(crate) struct Arguments {
@@ -38,7 +42,8 @@ pub(crate) struct Arguments {
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
-    /// Simulations that run side by side, each on its share of the threads [default: one or two, measured at the start].
+    /// Simulations that run side by side, each on its share of the threads [default: one or two, measured at the
+    /// start].
     #[arg(long, value_name = "N")]
     side_by_side: Option<usize>,
     /// Leave out the figures.
@@ -78,7 +83,7 @@ impl Arguments {
                 .num_threads(self.threads)
                 .build_global()?;
         }
-        let lab = Laboratory::open(&Request {
+        let session = Session::open(&Request {
             preset: self.preset,
             cache: self.cache.unwrap_or_else(|| self.results.join("cache")),
             results: self.results,
@@ -87,20 +92,20 @@ impl Arguments {
             parameters: self.parameters.read()?,
             side_by_side: self.side_by_side,
         })?;
-        let summary = run(&lab, &studies)?;
+        let summary = run(&session, &studies)?;
         if !self.no_figures {
-            figures::draw_all(lab.results())?;
+            figures::draw_all(session.results())?;
         }
         if self.preset == Preset::Paper {
             let targets = Targets::load()?;
-            let judged = targets.judge(&summary)?;
-            report::write(lab.results(), &targets, &judged, &summary)?;
+            let judged = judge(&targets, &summary)?;
+            report::write(session.results(), &targets, &judged, &summary)?;
         }
         if json {
             return print_json(&summary);
         }
         print(&table(&summary))?;
-        eprintln!("results in {}", lab.results().display());
+        eprintln!("results in {}", session.results().display());
         Ok(())
     }
 }

@@ -7,15 +7,16 @@ use clap::{Subcommand, ValueEnum};
 use fdtd::scene::{LayoutKind, Scene, random};
 
 use super::output::{print, print_json};
-use crate::atomic;
-use crate::click;
+use crate::data::atomic;
 use crate::figures::field;
 use crate::figures::scene::draw;
+use crate::recordings::impulse_snapshot;
 
 /// Arguments of `scene`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  echolot scene check scenes/four_walls.json\n  echolot scene draw scenes/four_walls.json -o scene.png"
+    after_help = "Example:\n  echolot scene check scenes/four_walls.json\n  echolot scene draw \
+    scenes/four_walls.json -o scene.png"
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -95,7 +96,7 @@ impl Arguments {
                         bail!("--after: {after_s} is out of range; give more than 0 to 1 s")
                     }
                     Some((path, after_s)) => {
-                        let frame = click::frame(&scene, &path, after_s)?;
+                        let frame = impulse_snapshot::frame(&scene, &path, after_s)?;
                         field::draw(&scene, &path, after_s, frame, &output)?;
                     }
                     None => draw(&scene, &output)?,
@@ -118,7 +119,7 @@ impl Arguments {
     }
 }
 
-/// Prints what a scene holds.
+/// Prints the contents of a scene.
 fn check(scene: &Scene, json: bool) -> Result<()> {
     let [width_m, height_m] = scene.grid.size_m();
     let courant = scene.grid.courant(&scene.medium);

@@ -11,19 +11,24 @@ use fdtd::spread::Spread;
 use fdtd::walls::WallModel;
 use localizer::io::wav;
 
+use super::arguments::{EngineArguments, named};
 use super::output::print_json;
-use super::{EngineArguments, named};
-use crate::atomic;
-use crate::progress::{Board, duration};
-use crate::robot::Robot;
+use crate::data::atomic;
+use crate::data::field_frame::FieldFrame;
+use crate::figures;
+use crate::recordings::recording::{absorbed, note_air, recording};
+use crate::recordings::robot::Robot;
+use crate::recordings::simulate::{Checkpoint, RunOptions, Snapshots, signal};
+use crate::recordings::spec::{Engine, ODOMETRY_BIAS_RADPS, RecordingSpec};
+use crate::run::progress::{Board, duration};
 use crate::schedule;
-use crate::simulate::{self, Checkpoint, Engine, ODOMETRY_BIAS_RADPS, Running, Snapshots, Take};
 
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot simulate scenes/quick.json --path localization -o recordings/quick\n\n\
-    An interrupted simulation leaves a checkpoint beside the recording; the same command with --resume goes on and gives the same bytes."
+    An interrupted simulation leaves a checkpoint beside the recording; the same command with --resume goes on \
+    and gives the same bytes."
 )]
 pub(crate) struct Arguments {
     /// The scene file.
@@ -37,7 +42,8 @@ pub(crate) struct Arguments {
     /// Leave out the walls: the direct wave alone. Fast, for the field is only that around the robot.
     #[arg(long)]
     free_field: bool,
-    /// Simulate all of the scene's domain. Else the absorbing layer begins where walls and drive end; the air beyond them is not heard.
+    /// Simulate all of the scene's domain. Else the absorbing layer begins where walls and drive end; the air beyond
+    /// them is not heard.
     #[arg(long)]
     whole_domain: bool,
     /// Simulate the drive without walls too and write it as direct.wav.
@@ -57,8 +63,9 @@ pub(crate) struct Arguments {
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
-    /// Let the air absorb sound (ISO 9613-1), each echo by its own way. The drive is simulated a second time with its sound stamped by the time
-    /// of sending, which tells the ways. Needs a scene whose medium is given by temperature and humidity, or --temperature and --humidity.
+    /// Let the air absorb sound (ISO 9613-1), each echo by its own way. The drive is simulated a second time with its
+    /// sound stamped by the time of sending, which tells the ways. Needs a scene whose medium is given by temperature
+    /// and humidity, or --temperature and --humidity.
     #[arg(long)]
     absorption: bool,
     /// Temperature for --absorption, degC, where the scene's medium is plain numbers.
@@ -79,27 +86,27 @@ pub(crate) struct Arguments {
     /// Steady error of the odometry's turn rate, rad/s.
     #[arg(long, default_value_t = ODOMETRY_BIAS_RADPS, value_name = "RAD_PER_S", allow_hyphen_values = true)]
     odometry_bias: f64,
-    /// Robot whose slipping wheels, microphone noise, 16-bit converter and clocks the recording gets, instead of the steady error;
-    /// see experiments/robots.
+    /// Robot whose slipping wheels, microphone noise, 16-bit converter and clocks the recording gets, instead of the
+    /// steady error; see experiments/robots.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["odometry_bias", "free_field"])]
     robot: Option<PathBuf>,
 }
 
-/// A wall model by its name in scene files, or with a dash as names on the command line have.
+/// A wall model by its name in scene files, or with dashes as on the command line.
 fn wall_model(text: &str) -> Result<WallModel, String> {
     named(&text.replace('-', "_"))
 }
 
 impl Arguments {
-    /// The take that was asked for.
-    fn take(&self) -> Result<Take> {
+    /// The requested recording.
+    fn spec(&self) -> Result<RecordingSpec> {
         if !self.odometry_bias.is_finite() {
             bail!(
                 "--odometry-bias: {} is not finite; give a number",
                 self.odometry_bias
             );
         }
-        Ok(Take {
+        Ok(RecordingSpec {
             image_order: self.engine.image_order()?,
             scheme: self.scheme,
             spread: self.spread,
@@ -107,20 +114,22 @@ impl Arguments {
             free_field: self.free_field,
             whole_domain: self.whole_domain,
             odometry_bias_radps: self.odometry_bias,
-            ..Take::of(&self.path, self.engine.engine)
+            ..RecordingSpec::of(&self.path, self.engine.engine)
         })
     }
 
-    /// The air that absorbs, if it shall.
+    /// The air that absorbs, when absorption is requested.
     fn air(&self, scene: &Scene) -> Result<Option<Air>> {
         let file = self.scene.display();
         match (self.temperature.zip(self.humidity), scene.air) {
             _ if !self.absorption => Ok(None),
             (Some(_), Some(_)) => bail!(
-                "--temperature: {file} has a temperature and a humidity of its own; leave out --temperature and --humidity"
+                "--temperature: {file} has a temperature and a humidity of its own; leave out --temperature and \
+                --humidity"
             ),
             (None, None) => bail!(
-                "--absorption: the medium of {file} has no temperature and humidity; give --temperature and --humidity, or both in the scene"
+                "--absorption: the medium of {file} has no temperature and humidity; give --temperature and \
+                --humidity, or both in the scene"
             ),
             (None, air) => Ok(air),
             (Some((temperature_degc, relative_humidity_percent)), None) => {
@@ -135,14 +144,11 @@ impl Arguments {
         }
     }
 
-    /// The pictures that were asked for.
-    fn pictures(&self) -> Result<Option<Snapshots>> {
+    /// Folder of the requested pictures and the time between two, seconds.
+    fn pictures(&self) -> Result<Option<(PathBuf, f64)>> {
         match (&self.snapshots, self.every) {
             (Some(folder), Some(every_s)) if every_s.is_finite() && every_s > 0.0 => {
-                Ok(Some(Snapshots {
-                    folder: folder.clone(),
-                    every_s,
-                }))
+                Ok(Some((folder.clone(), every_s)))
             }
             (Some(_), Some(every_s)) => {
                 bail!("--every: {every_s} is no time; give a positive number of seconds")
@@ -181,66 +187,84 @@ impl Arguments {
         scene.spread = self.spread.unwrap_or(scene.spread);
         scene.wall_model = self.walls.unwrap_or(scene.wall_model);
         scene.check(&self.scene.display().to_string())?;
-        let take = self.take()?;
+        let spec = self.spec()?;
         self.check_output()?;
         let pictures = self.pictures()?;
         let air = self.air(&scene)?;
-        let path = scene.path(&take.path)?;
+        let path = scene.path(&spec.path)?;
         let robot = self.robot.as_deref().map(Robot::read).transpose()?;
         let board = Board::new();
-        let estimate = match take.engine {
+        let estimate = match spec.engine {
             Engine::Fdtd => {
-                let estimate = schedule::estimate(&scene, &take, self.threads)?;
-                board.say(format!("{}, {}: {estimate}", scene.name, take.path));
+                let estimate = schedule::estimate(&scene, &spec, self.threads)?;
+                board.say(format!("{}, {}: {estimate}", scene.name, spec.path));
                 Some(estimate)
             }
             Engine::ImageSource => None,
         };
         let started = Instant::now();
-        let record = |take: &Take, ending: &str, pictures: Option<&Snapshots>| {
+        let record = |spec: &RecordingSpec,
+                      ending: &str,
+                      pictures: Option<&(PathBuf, f64)>|
+         -> Result<Vec<f32>> {
             let steps = estimate.map_or(1, |estimate| estimate.steps);
-            let task = board.task(&take.path, steps);
+            let task = board.task(&spec.path, steps);
             let checkpoint = Checkpoint {
                 path: self.beside(ending),
                 resume: self.resume,
             };
-            let running = Running {
+            let draw = |frame: &FieldFrame| -> Result<()> {
+                if let Some((folder, _)) = pictures {
+                    figures::snapshot::draw(&scene, &spec.path, frame, folder)?;
+                }
+                Ok(())
+            };
+            let options = RunOptions {
                 threads: self.threads,
                 checkpoint: Some(&checkpoint),
-                snapshots: pictures,
-                ..Running::default()
+                snapshots: pictures.map(|&(_, every_s)| Snapshots {
+                    every_s,
+                    receive: &draw,
+                }),
+                ..RunOptions::default()
             };
-            simulate::signal(&scene, take, &running, &task)
+            let signal = signal(&scene, spec, &options, &task)?;
+            if let Some((folder, _)) = pictures {
+                figures::animation::animate(folder)?;
+            }
+            Ok(signal)
         };
         let mut leftovers = Vec::new();
-        // One drive, with the air's absorption where that is asked for.
-        let mut hear =
-            |take: &Take, name: &str, pictures: Option<&Snapshots>| -> Result<Vec<f32>> {
-                let ending = format!("{name}.checkpoint");
-                let plain = record(take, &ending, pictures)?;
-                leftovers.push(self.beside(&ending));
-                let Some(air) = &air else {
-                    return Ok(plain);
-                };
-                let ending = format!("{name}.stamped.checkpoint");
-                let stamped = record(&take.stamped(), &ending, None)?;
-                leftovers.push(self.beside(&ending));
-                simulate::absorbed(&scene, take, &plain, &stamped, air)
+        // One drive, with absorption by the air when requested.
+        let mut simulate = |spec: &RecordingSpec,
+                            name: &str,
+                            pictures: Option<&(PathBuf, f64)>|
+         -> Result<Vec<f32>> {
+            let ending = format!("{name}.checkpoint");
+            let plain = record(spec, &ending, pictures)?;
+            leftovers.push(self.beside(&ending));
+            let Some(air) = &air else {
+                return Ok(plain);
             };
-        let signal = hear(&take, "", pictures.as_ref())?;
+            let ending = format!("{name}.stamped.checkpoint");
+            let stamped = record(&spec.stamped(), &ending, None)?;
+            leftovers.push(self.beside(&ending));
+            absorbed(&scene, spec, &plain, &stamped, air)
+        };
+        let signal = simulate(&spec, "", pictures.as_ref())?;
         let direct = if self.with_direct {
-            Some(hear(&take.in_free_field(), ".direct", None)?)
+            Some(simulate(&spec.in_free_field(), ".direct", None)?)
         } else {
             None
         };
         let seconds = started.elapsed().as_secs_f64();
-        let mut recording = simulate::recording(&scene, &take, signal, seconds)?;
+        let mut recording = recording(&scene, &spec, signal, seconds)?;
         recording.direct = direct;
         if let Some(air) = &air {
-            simulate::tell_air(&mut recording, air);
+            note_air(&mut recording, air);
         }
         if let Some(robot) = &robot {
-            robot.apply(&mut recording, path, &take.path);
+            robot.apply(&mut recording, path, &spec.path);
         }
         atomic::write_folder(&self.output, |folder| {
             recording.write(folder)?;

@@ -8,14 +8,17 @@ use oracles::laws::{Depth, LAWS, Law};
 
 use super::output::{print, print_json};
 use crate::check::CheckFailed;
-use crate::progress::duration;
-use crate::validate::{self, Kept};
+use crate::figures;
+use crate::run::progress::duration;
+use crate::validate::{self, Resume};
 
 /// Arguments of `validate`.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot validate --full\n  echolot validate --full echoes impedance\n\n\
-    Exits with 1 when a measurement is outside its tolerance. Without LAW writes results/validation: validation.json, table.md, data and figures; interrupted, the same command goes on after the laws that were measured."
+    Exits with 1 when a measurement is outside its tolerance. Without LAW writes results/validation: \
+    validation.json, table.md, data and figures; interrupted, the same command goes on after the laws that were \
+    measured."
 )]
 pub(crate) struct Arguments {
     /// Only laws whose name contains one of these; writes no files.
@@ -37,7 +40,7 @@ impl Arguments {
     pub(crate) fn run(self, json: bool) -> Result<()> {
         let folder = self.results.join("validation");
         if self.figures_only {
-            let pictures = validate::draw(&folder)?;
+            let pictures = figures::draw_validation(&folder)?;
             if json {
                 return print_json(&pictures);
             }
@@ -49,12 +52,12 @@ impl Arguments {
         let depth = if self.full { Depth::Full } else { Depth::Quick };
         let started = Instant::now();
         let whole = self.laws.is_empty();
-        let kept = (whole.then(|| Kept::below(&self.results, depth))).transpose()?;
-        let rows = validate::run(&self.chosen()?, depth, kept.as_ref())?;
-        if let Some(kept) = kept {
+        let resume = (whole.then(|| Resume::below(&self.results, depth))).transpose()?;
+        let rows = validate::run(&self.chosen()?, depth, resume.as_ref())?;
+        if let Some(resume) = resume {
             validate::write(&rows, depth, &folder)?;
-            validate::draw(&folder)?;
-            kept.clear()?;
+            figures::draw_validation(&folder)?;
+            resume.clear()?;
         }
         if json {
             print_json(&rows)?;
@@ -77,7 +80,7 @@ impl Arguments {
         Ok(())
     }
 
-    /// The laws asked for, in their order; all when none is named.
+    /// The requested laws, in their order; all when none is named.
     fn chosen(&self) -> Result<Vec<Law>> {
         for part in &self.laws {
             if !LAWS.iter().any(|law| law.name.contains(part.as_str())) {

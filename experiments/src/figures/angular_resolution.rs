@@ -1,19 +1,20 @@
-//! Angular resolution over the number of periods M: the bank's answer to one exact echo, and its half-power width
+//! Angular resolution over the number of periods M: the bank's response to one exact echo, and its half-power width
 //! beside theory.
 
 use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Marker, Stroke};
-use super::colour;
-use super::legend::{Entry, legend};
-use super::style::periods_style;
-use crate::table::Table;
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
+use super::drawing::style::periods_style;
+use crate::data::table::Table;
 
-/// What is to be seen: by how much, at most, the measured widths differ from theory, both over the periods.
+/// The title: by how much, at most, the measured widths differ from theory, both over the periods.
 fn title(measured: &[(f64, f64)], theory: &[(f64, f64)]) -> String {
     let pairs = measured.iter().zip(theory);
     let worst = pairs

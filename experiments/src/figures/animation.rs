@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::atomic;
+use crate::data::atomic;
 
 /// Name of the animation in the folder of the pictures.
 pub const NAME: &str = "pressure.apng";
@@ -47,7 +47,8 @@ pub fn animate(folder: &Path) -> Result<Option<PathBuf>> {
             let (own_width, own_height, pixels) = read(picture)?;
             ensure!(
                 (own_width, own_height) == (width, height),
-                "{}: {own_width} x {own_height} pixels, the first picture has {width} x {height}; use a folder for each simulation",
+                "{}: {own_width} x {own_height} pixels, the first picture has {width} x {height}; use a folder \
+                for each simulation",
                 picture.display()
             );
             writer.write_image_data(&pixels)?;
@@ -79,7 +80,7 @@ fn read(path: &Path) -> Result<Picture> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::canvas::write_png;
+    use crate::figures::drawing::png::write_png;
 
     #[test]
     fn pictures_become_frames_in_the_order_of_their_times() {

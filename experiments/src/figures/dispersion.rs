@@ -1,15 +1,16 @@
-//! How fast sound travels on the grid: error of phase and group velocity over frequency, by direction, per scheme.
+//! Speed of sound on the grid: error of phase and group velocity over frequency, by direction, per scheme.
 
 use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Marker, Stroke};
-use super::colour;
-use super::legend::{Entry, legend};
-use crate::table::Table;
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
+use crate::data::table::Table;
 
 /// Data files that the figure is drawn from.
 pub(crate) const NEEDS: [&str; 2] = ["dispersion.csv", "velocity.csv"];

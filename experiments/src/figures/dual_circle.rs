@@ -6,18 +6,19 @@ use std::path::Path;
 use anyhow::Result;
 use plotters::style::RGBColor;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, LABEL, Marker};
-use super::colour;
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas::{self, LABEL};
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Marker;
+use crate::data::table::Table;
 use crate::metrics::mean;
-use crate::table::Table;
 
 /// Side of the square that the receivers stand at the corners of, metres.
 const SITE_M: f64 = 4.0;
 
-/// Where a test point is and how far off it is found, in metres and millimetres.
+/// A test point in metres and its error in millimetres.
 type Found = ([f64; 2], [f64; 2]);
 
 /// Test points and errors of a method.
@@ -139,7 +140,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             for (row, y_m) in rows.iter().rev().enumerate() {
                 let left = 150.0 + pitch[0] * column as f64;
                 let top = top + pitch[1] * row as f64;
-                // Labels stand at the outer frames alone.
+                // Only the outer frames have labels.
                 let [x_label, y_label] = [
                     (row + 1 == rows.len(), "error in x [mm]"),
                     (column == 0, "error in y [mm]"),
@@ -175,7 +176,7 @@ mod tests {
         let path = folder.path().join("points.csv");
         let rows =
             "method,x_true_m,y_true_m,x_m,y_m\na,1,2,1.003,2.004\nb,1,2,1,2\na,3,2,3,2.007\n";
-        crate::atomic::write(&path, rows.as_bytes()).unwrap();
+        crate::data::atomic::write(&path, rows.as_bytes()).unwrap();
         let found = errors(&Table::read(&path).unwrap(), "a").unwrap();
         assert_eq!(found[1].0, [3.0, 2.0]);
         assert!((mean_mm(&found) - 6.0).abs() < 1e-9);

@@ -4,15 +4,15 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas;
-use super::legend::{Entry, legend};
-use super::style::method_style;
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::style::method_style;
+use crate::data::table::Table;
 use crate::metrics::{cumulative_distribution, mean, quantile};
-use crate::table::Table;
 
-/// What is to be seen, from the mean errors in metres of Doppler bearings and of arrival times alone.
+/// The title, from the mean errors in metres of Doppler bearings and of arrival times alone.
 fn title(doppler_m: f64, toa_m: f64) -> String {
     let verb = if doppler_m < toa_m {
         "lower"
@@ -24,7 +24,7 @@ fn title(doppler_m: f64, toa_m: f64) -> String {
     )
 }
 
-/// What the axis, which ends at `end` metres, does not show of a curve; nothing when it shows all.
+/// Note on the part of a curve beyond the axis, which ends at `end` metres; empty when there is none.
 fn beyond(errors: &[f64], end: f64) -> String {
     let count = errors.iter().filter(|error| **error > end).count();
     if count == 0 {
@@ -48,7 +48,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         .iter()
         .map(|method| estimates.only("method", method)?.numbers("error_m"))
         .collect::<Result<Vec<_>>>()?;
-    // A few strayed trials of one method must not press all curves against the axis.
+    // A few lost trials of one method must not squeeze all curves.
     let end = errors[..2]
         .iter()
         .filter(|errors| !errors.is_empty())
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_axis_cuts_is_said() {
+    fn the_note_names_curves_beyond_the_axis() {
         assert_eq!(beyond(&[0.1, 0.2], 0.2), "");
         assert_eq!(
             beyond(&[0.1, 0.2, 0.3, 0.4], 0.25),

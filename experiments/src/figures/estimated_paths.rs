@@ -4,15 +4,17 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::canvas::{self, LABEL, Stroke};
-use super::colour;
-use super::layout::{Layout, drive_points, path};
-use super::legend::{Entry, legend};
-use super::style::method_style;
+use super::drawing::canvas::{self, LABEL};
+use super::drawing::colour;
+use super::drawing::layout::{self, drive_points, path};
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Stroke;
+use super::drawing::style::method_style;
+use crate::data::layout::Layout;
+use crate::data::table::Table;
 use crate::metrics::mean;
-use crate::table::Table;
 
-/// What is to be seen, from the mean errors in metres of odometry and of Doppler bearings.
+/// The title, from the mean errors in metres of odometry and of Doppler bearings.
 fn title(odometry_m: f64, doppler_m: f64) -> String {
     if doppler_m <= 0.5 * odometry_m {
         "Echoes with Doppler bearings hold the path that odometry loses".to_string()
@@ -34,9 +36,9 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             Ok(mean(&estimates.only("method", method)?.numbers("error_m")?))
         };
         sheet.title(&title(error("odometry")?, error("doppler")?))?;
-        let axes = layout.axes(sheet, [120.0, 130.0, 980.0, 990.0]);
+        let axes = layout::axes(&layout, sheet, [120.0, 130.0, 980.0, 990.0]);
         axes.grid()?;
-        layout.walls(&axes, Stroke::solid(colour::GREY, 6.0))?;
+        layout::walls(&layout, &axes, Stroke::solid(colour::GREY, 6.0))?;
         let (black, name) = method_style("truth");
         path(&axes, &truth, black)?;
         let mut entries = vec![Entry {

@@ -1,4 +1,4 @@
-//! The sound field of a scene at one moment after a short burst: wave fronts, echoes, and what bends round the ends of
+//! The sound field of a scene at one moment after a short burst: wave fronts, echoes, and diffraction at the ends of
 //! walls.
 
 use std::path::Path;
@@ -8,11 +8,13 @@ use fdtd::scene::Scene;
 use ndarray::ArrayView2;
 use plotters::style::RGBColor;
 
-use super::canvas::{self, Marker, Stroke};
-use super::colour;
-use super::legend::{Entry, legend};
-use super::scene::layout_of;
-use crate::click::Frame;
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::layout;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
+use crate::data::field_frame::FieldFrame;
+use crate::data::layout::Layout;
 use crate::metrics::quantile;
 
 /// Colours of silence, and of the strongest pressure below and above.
@@ -30,8 +32,7 @@ fn shade(value: f64) -> RGBColor {
     RGBColor(channel(0), channel(1), channel(2))
 }
 
-/// Draws the scene with its field `click` at `t_s` seconds after a click at the start of `path`
-/// ([`crate::click::frame`]).
+/// Draws the scene with its field `frame` at `t_s` seconds after a short burst at the start of `path`.
 ///
 /// # Errors
 /// When the scene has no such path or the picture cannot be written.
@@ -39,16 +40,17 @@ pub(crate) fn draw(
     scene: &Scene,
     path: &str,
     t_s: f64,
-    click: Frame,
+    frame: FieldFrame,
     picture: &Path,
 ) -> Result<()> {
-    let Frame {
-        columns,
-        rows,
+    let FieldFrame {
+        nx: columns,
+        ny: rows,
         mut pressures,
-    } = click;
+        ..
+    } = frame;
     let robot_m = scene.path(path)?.point_at(0.0, [0.0, 0.0]);
-    let layout = layout_of(scene);
+    let layout = Layout::of(scene);
     // The last wave fronts are weaker than the first; all are lifted by the root of their distance.
     let (dx_m, magnitude) = (scene.grid.dx_m, |value: &f32| f64::from(value.abs()));
     for (index, value) in pressures.iter_mut().enumerate() {
@@ -76,11 +78,11 @@ pub(crate) fn draw(
             true,
             false,
         )?;
-        let axes = layout.axes(sheet, [120.0, 90.0, 1120.0, 1090.0]);
+        let axes = layout::axes(&layout, sheet, [120.0, 90.0, 1120.0, 1090.0]);
         let [width_m, height_m] = layout.size_m;
         let image = ArrayView2::from_shape((rows, columns), &scaled)?;
         axes.shaded(image, [[0.0, width_m], [0.0, height_m]], &shade)?;
-        layout.walls(&axes, Stroke::solid(colour::BLACK, 9.0))?;
+        layout::walls(&layout, &axes, Stroke::solid(colour::BLACK, 9.0))?;
         axes.markers(
             &[(robot_m[0], robot_m[1])],
             Marker::Disc,

@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 
+use crate::data::table::Table;
 use crate::metrics::{bootstrap_interval, mean};
-use crate::table::Table;
 
 /// Mean over the trials of each cell of a study: (cell, mean, interval), for the rows of `table` grouped by `key`.
 pub(super) fn means_by(table: &Table, key: &str, value: &str) -> Result<Vec<(f64, f64, [f64; 2])>> {

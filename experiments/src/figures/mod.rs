@@ -1,19 +1,13 @@
 //! The figures. Each is drawn from the data files of a results folder alone; nothing is computed by the localizer here.
 
 pub mod animation;
-pub mod axes;
-pub mod axis;
-pub mod canvas;
-pub mod colour;
-pub(crate) mod dispersion;
+pub mod drawing;
 pub(crate) mod field;
-pub mod layout;
-pub mod legend;
 pub mod scene;
-pub(crate) mod scene_echoes;
 pub mod snapshot;
 
 mod angular_resolution;
+mod dispersion;
 mod dual_circle;
 mod error_distribution;
 mod estimated_paths;
@@ -24,9 +18,9 @@ mod periods;
 mod reflections;
 mod roofline;
 mod scene_and_map;
+mod scene_echoes;
 mod speeds;
 mod step_time;
-mod style;
 mod window_size;
 
 use std::path::{Path, PathBuf};
@@ -49,17 +43,17 @@ const FIGURES: &[Figure] = &[
     Figure {
         name: "fig_multipath_paths",
         needs: &["multipath.csv", "multipath_drive.csv", "multipath_room.csv"],
-        draw: multipath::paths,
+        draw: multipath::room::paths,
     },
     Figure {
         name: "fig_multipath_errors",
         needs: &["multipath.csv", "multipath_gates.csv"],
-        draw: multipath::errors,
+        draw: multipath::room::errors,
     },
     Figure {
         name: "fig_multipath_scene",
         needs: &["layout.json", "drive.csv", "multipath_scene.csv"],
-        draw: multipath::scene,
+        draw: multipath::scene::draw,
     },
     Figure {
         name: "fig04_scene_and_map",
@@ -157,7 +151,7 @@ const SITE_FIGURES: &[Figure] = &[
     },
 ];
 
-/// What became of a figure.
+/// Outcome of a figure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Drawn {
     /// It was drawn into this file.
@@ -218,4 +212,16 @@ pub fn draw_bench(folder: &Path) -> Result<Option<PathBuf>> {
     let picture = folder.join("roofline.png");
     roofline::draw(&data, &picture)?;
     Ok(Some(picture))
+}
+
+/// Draws the figures of the validation from `folder/data` into `folder/figures`.
+///
+/// # Errors
+/// When the data is missing or damaged, or a picture cannot be written.
+pub fn draw_validation(folder: &Path) -> Result<Vec<PathBuf>> {
+    let (data, figures) = (folder.join("data"), folder.join("figures"));
+    let pictures = ["fig_dispersion.png", "fig_scene_echoes.png"].map(|name| figures.join(name));
+    dispersion::draw(&data, &pictures[0])?;
+    scene_echoes::draw(&data, &pictures[1])?;
+    Ok(pictures.to_vec())
 }

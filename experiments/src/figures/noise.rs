@@ -4,14 +4,15 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Marker, Stroke};
-use super::colour;
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
+use super::drawing::style::method_style;
 use super::means::means_by;
-use super::style::method_style;
-use crate::table::Table;
+use crate::data::table::Table;
 
 /// Draws figure 9.
 ///
@@ -29,7 +30,7 @@ pub(crate) fn draw_site(data: &Path, picture: &Path) -> Result<()> {
     draw_with(data, picture, 0.1)
 }
 
-/// Draws the errors beside what the paper stays below from 3 dB on, metres.
+/// Draws the errors beside the paper's bound from 3 dB on, metres.
 fn draw_with(data: &Path, picture: &Path, limit_m: f64) -> Result<()> {
     let table = Table::read(&data.join("snr.csv"))?;
     let cells = means_by(&table, "snr_db", "mae_m")?;

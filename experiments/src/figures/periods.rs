@@ -4,17 +4,19 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Marker, Stroke};
-use super::colour;
-use super::layout::{Layout, drive_points, path};
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::layout::{self, drive_points, path};
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
+use super::drawing::style::{method_style, periods_style};
 use super::means::means_by;
-use super::style::{method_style, periods_style};
-use crate::table::Table;
+use crate::data::layout::Layout;
+use crate::data::table::Table;
 
-/// What is to be seen: whether more periods do better, from numbers of periods and mean errors in metres.
+/// The title: whether more periods do better, from numbers of periods and mean errors in metres.
 fn title(cells: &[(f64, f64)]) -> String {
     let by_periods = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
     match (
@@ -47,9 +49,9 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     canvas::draw(picture, 1800, 1040, |sheet| {
         let means: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1)).collect();
         sheet.title(&title(&means))?;
-        let left = layout.axes(sheet, [120.0, 185.0, 860.0, 925.0]);
+        let left = layout::axes(&layout, sheet, [120.0, 185.0, 860.0, 925.0]);
         left.grid()?;
-        layout.walls(&left, Stroke::solid(colour::GREY, 6.0))?;
+        layout::walls(&layout, &left, Stroke::solid(colour::GREY, 6.0))?;
         let (black, name) = method_style("truth");
         path(&left, &truth, black)?;
         let mut entries = vec![Entry::line(black, name)];
@@ -123,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_title_says_what_the_numbers_say() {
+    fn the_title_follows_from_the_numbers() {
         assert_eq!(
             title(&[(6.0, 0.028), (1.0, 0.083), (8.0, 0.03)]),
             "8 periods in a block in place of 1 lower the mean error: 0.083 to 0.030 m"

@@ -6,15 +6,16 @@ use anyhow::{Context, Result};
 use ndarray::{Array2, ArrayView1, s};
 use serde::{Deserialize, Serialize};
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, LABEL, Marker};
-use super::colour;
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas::{self, LABEL};
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Marker;
+use crate::data::table::Table;
 use crate::metrics::quantile;
-use crate::table::Table;
 
-/// Where the cells of `reflections.npy` (rows: time, columns: round-trip distance) lie, as written to
+/// Times and distances of the cells of `reflections.npy` (rows: time, columns: round-trip distance), as written to
 /// `reflections.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct IntensityPlace {
@@ -33,7 +34,7 @@ fn gated(image: &Array2<f32>) -> usize {
     image.columns().into_iter().take_while(silent).count()
 }
 
-/// What the picture does not say by itself: the blank gate, and what 0 dB is with the share of cells above it, in dB.
+/// Notes below the picture: the blank gate, and the level of 0 dB with the share of cells above it, in dB.
 fn notes(gate_m: f64, levels: &[f64]) -> [String; 2] {
     let above = levels.iter().filter(|level| **level > 0.0).count();
     let greatest = levels.iter().copied().fold(0.0, f64::max);

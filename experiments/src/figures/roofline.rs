@@ -6,14 +6,15 @@ use anyhow::{Context, Result};
 use plotters::style::RGBColor;
 use serde::Deserialize;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Canvas, LABEL, Marker, Stroke};
-use super::colour;
-use super::legend::{Entry, legend};
-use crate::bench::peaks::Peaks;
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas::{self, Canvas, LABEL};
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
+use crate::data::peaks::Peaks;
 
-/// What the figure needs of a row of `bench.json`.
+/// The fields of a row of `bench.json` that the figure uses.
 #[derive(Debug, Clone, Deserialize)]
 struct Row {
     engine: String,
@@ -26,7 +27,7 @@ struct Row {
     bytes_per_cell: f64,
 }
 
-/// What the figure needs of `bench.json`.
+/// The fields of `bench.json` that the figure uses.
 #[derive(Debug, Clone, Deserialize)]
 struct Data {
     rows: Vec<Row>,
@@ -34,7 +35,7 @@ struct Data {
 }
 
 impl Row {
-    /// Flops per byte that would have to come from memory without blocking in time.
+    /// Flops per byte of memory traffic without blocking in time.
     fn intensity(&self) -> f64 {
         self.flops_per_cell / self.bytes_per_cell
     }
@@ -72,7 +73,7 @@ fn grids(rows: &[Row]) -> Vec<((usize, usize), RGBColor)> {
         .collect()
 }
 
-/// What the figure shows, in one line.
+/// The title of the figure.
 fn title(data: &Data) -> String {
     let single = || {
         data.rows

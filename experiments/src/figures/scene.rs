@@ -5,10 +5,12 @@ use std::path::Path;
 use anyhow::Result;
 use fdtd::scene::Scene;
 
-use super::canvas::{self, Stroke};
-use super::colour;
-use super::layout::{Layout, LayoutWall, path};
-use super::legend::{Entry, legend};
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::layout::{self, path};
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Stroke;
+use crate::data::layout::Layout;
 
 /// Spacing of the drawn points of a path, seconds.
 const STEP_S: f64 = 0.05;
@@ -22,34 +24,17 @@ const STROKES: [Stroke; 6] = [
     Stroke::solid(colour::BLACK, 3.5).dashed(&[9.0, 7.0]),
 ];
 
-/// The walls and the size of a scene.
-pub fn layout_of(scene: &Scene) -> Layout {
-    Layout {
-        name: scene.name.clone(),
-        size_m: scene.grid.size_m(),
-        layer_m: scene.layer_cells as f64 * scene.grid.dx_m,
-        walls: scene
-            .walls
-            .iter()
-            .map(|wall| LayoutWall {
-                points_m: wall.points_m.clone(),
-                thickness_m: wall.thickness_m,
-            })
-            .collect(),
-    }
-}
-
 /// Draws the scene.
 ///
 /// # Errors
 /// When the picture cannot be written.
 pub fn draw(scene: &Scene, picture: &Path) -> Result<()> {
-    let layout = layout_of(scene);
+    let layout = Layout::of(scene);
     canvas::draw(picture, 1600, 1100, |sheet| {
-        let axes = layout.axes(sheet, [120.0, 80.0, 1030.0, 990.0]);
+        let axes = layout::axes(&layout, sheet, [120.0, 80.0, 1030.0, 990.0]);
         axes.grid()?;
-        layout.layer(&axes)?;
-        layout.walls(&axes, Stroke::solid(colour::BLACK, 7.0))?;
+        layout::layer(&layout, &axes)?;
+        layout::walls(&layout, &axes, Stroke::solid(colour::BLACK, 7.0))?;
         let mut entries = vec![
             Entry::line(Stroke::solid(colour::BLACK, 8.0), "rigid wall"),
             Entry::line(

@@ -5,14 +5,16 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::canvas::{self, LABEL, Stroke};
-use super::colour;
-use super::layout::{Layout, drive_points, path};
-use super::legend::{Entry, legend};
+use super::drawing::canvas::{self, LABEL};
+use super::drawing::colour;
+use super::drawing::layout::{self, drive_points, path};
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Stroke;
+use crate::data::layout::Layout;
+use crate::data::table::Table;
 use crate::metrics::quantile;
-use crate::table::Table;
 
-/// Where the pixels of `map.npy` lie, as written to `map.json` of the data folder.
+/// Positions of the pixels of `map.npy`, as written to `map.json` of the data folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MapPlace {
     /// Centre of the pixel at row 0, column 0, metres.
@@ -24,7 +26,7 @@ pub(crate) struct MapPlace {
 /// Quantiles of the pixels in the frame at which the colour scale begins and ends.
 const CUT: [f64; 2] = [0.05, 0.995];
 
-/// What the ends of the colour scale leave out: shares of the `values` (of their maximum) below and above it.
+/// Shares of the `values` (of their maximum) below and above the ends of the colour scale.
 fn cut_note(values: &[f64], scale: [f64; 2]) -> String {
     let share = |out: &dyn Fn(f64) -> bool| {
         let count = values.iter().filter(|value| out(**value)).count();
@@ -62,10 +64,10 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let title =
             "The scene, and the image of its walls from echoes at the known poses of a drive";
         sheet.title(title)?;
-        let left = layout.axes(sheet, [120.0, 130.0, 810.0, 820.0]);
+        let left = layout::axes(&layout, sheet, [120.0, 130.0, 810.0, 820.0]);
         left.grid()?;
-        layout.layer(&left)?;
-        layout.walls(&left, Stroke::solid(colour::BLACK, 7.0))?;
+        layout::layer(&layout, &left)?;
+        layout::walls(&layout, &left, Stroke::solid(colour::BLACK, 7.0))?;
         for (name, stroke) in tracks {
             path(&left, &drive_points(&drive, name)?, stroke)?;
         }
@@ -82,14 +84,14 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         }));
         legend(sheet, [60.0, 925.0], 900.0, &entries)?;
 
-        let right = layout.axes(sheet, [950.0, 130.0, 1640.0, 820.0]);
+        let right = layout::axes(&layout, sheet, [950.0, 130.0, 1640.0, 820.0]);
         let (rows, columns) = map.dim();
         let low = place.origin_m.map(|origin| origin - 0.5 * place.cell_m);
         let spans = [
             [low[0], low[0] + columns as f64 * place.cell_m],
             [low[1], low[1] + rows as f64 * place.cell_m],
         ];
-        // Only what is shown counts for the scale: the map reaches far beyond the room.
+        // Only pixels within the frame count for the scale: the map reaches far beyond the room.
         let inside = |axis: usize, index: usize| {
             let centre = place.origin_m[axis] + index as f64 * place.cell_m;
             (0.0..=layout.size_m[axis]).contains(&centre)
@@ -104,7 +106,8 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         let shown = map.mapv(|value| (f64::from(value) / greatest) as f32);
         let scale = CUT.map(|share| quantile(&values, share));
         right.image(shown.view(), spans, scale)?;
-        layout.walls(
+        layout::walls(
+            &layout,
             &right,
             Stroke::solid(plotters::style::WHITE, 3.0).dashed(&[10.0, 10.0]),
         )?;
@@ -128,7 +131,7 @@ mod tests {
     use super::cut_note;
 
     #[test]
-    fn the_note_counts_what_the_colours_cut() {
+    fn the_note_counts_the_pixels_beyond_the_scale() {
         assert_eq!(
             cut_note(&[0.0, 0.2, 0.3, 0.4, 1.0], [0.1, 0.4]),
             "colours end: 20.0 % of pixels lower, 20.0 % higher, to 1.00"

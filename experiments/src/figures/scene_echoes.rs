@@ -5,12 +5,13 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Marker, Stroke};
-use super::colour;
-use super::legend::{Entry, legend};
-use crate::table::Table;
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
+use crate::data::table::Table;
 
 /// Data files that the figure is drawn from.
 pub(crate) const NEEDS: [&str; 2] = ["scene_signal.csv", "scene_echoes.csv"];
@@ -102,7 +103,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     })
 }
 
-/// Which walls stand, and how their echoes are marked.
+/// Selections of walls, and the markers of their echoes.
 fn marks() -> [(&'static str, Marker, plotters::style::RGBColor); 2] {
     [
         ("pair along the grid", Marker::Disc, colour::BLUE),

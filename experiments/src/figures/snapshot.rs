@@ -4,40 +4,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use fdtd::scene::Scene;
-use fdtd::simulation::Simulation;
 use fdtd::walls::rasterize;
 
-use super::canvas::write_png;
+use super::drawing::png::write_png;
+use crate::data::field_frame::FieldFrame;
 use crate::metrics::quantile;
-
-/// The pressure field at one time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Frame {
-    /// Time of the drive, seconds.
-    pub t_s: f64,
-    /// Where in the scene it begins, metres.
-    pub origin_m: [f64; 2],
-    /// Columns.
-    pub nx: usize,
-    /// Rows.
-    pub ny: usize,
-    /// Pressures in Pa, `[iy, ix]`.
-    pub pressures: Vec<f32>,
-}
-
-impl Frame {
-    /// The field of a simulation now.
-    pub fn of(simulation: &Simulation) -> Self {
-        let (nx, ny, pressures) = simulation.pressure_frame();
-        Self {
-            t_s: simulation.time_s(),
-            origin_m: simulation.origin_m(),
-            nx,
-            ny,
-            pressures,
-        }
-    }
-}
 
 /// Draws a frame of the drive `path` into `folder`; the file name holds the time in microseconds. Red is pressure
 /// above, blue below the mean; the scale is the frame's own. A drive in free field has a domain of its own, without
@@ -45,8 +16,8 @@ impl Frame {
 ///
 /// # Errors
 /// When the scene has no such path or the picture cannot be written.
-pub fn draw(scene: &Scene, path: &str, frame: &Frame, folder: &Path) -> Result<PathBuf> {
-    let Frame {
+pub fn draw(scene: &Scene, path: &str, frame: &FieldFrame, folder: &Path) -> Result<PathBuf> {
+    let FieldFrame {
         t_s,
         nx,
         ny,

@@ -1,18 +1,19 @@
-//! Figures 5 and 12: speeds of the localization drive, true and as the wheels report them.
+//! Figures 5 and 12: speeds of the localization drive, true and from the wheels.
 
 use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Stroke};
-use super::colour;
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Stroke;
+use crate::data::table::Table;
 use crate::metrics::mean;
-use crate::table::Table;
 
-/// What is to be seen, from bias and spread of the error of the turn rate in rad/s, counter-clockwise positive.
+/// The title, from bias and spread of the error of the turn rate in rad/s, counter-clockwise positive.
 fn title(bias: f64, spread: f64) -> String {
     let way = if bias < 0.0 {
         "clockwise"
@@ -92,7 +93,7 @@ mod tests {
     use super::title;
 
     #[test]
-    fn the_title_says_which_way_the_odometry_errs() {
+    fn the_title_names_the_direction_of_the_error() {
         assert_eq!(
             title(0.01, 0.0),
             "Wheel odometry turns 0.010 rad/s too far counter-clockwise during the whole drive"

@@ -4,15 +4,16 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Marker, Stroke};
-use super::colour;
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::colour;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::{Marker, Stroke};
+use crate::data::table::Table;
 use crate::metrics::{cumulative_distribution, quantile};
-use crate::table::Table;
 
-/// What is to be seen: the slowest bank and the slowest filter together, beside the time between two steps if it is
+/// The title: the slowest bank and the slowest filter together, beside the time between two steps if it is
 /// known, all in milliseconds.
 fn title(slowest_bank: f64, slowest_filter: f64, period: Option<f64>) -> String {
     let slowest = slowest_bank + slowest_filter;

@@ -4,18 +4,19 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::axes::Axes;
-use super::axis::Axis;
-use super::canvas::{self, Marker};
-use super::legend::{Entry, legend};
+use super::drawing::axes::Axes;
+use super::drawing::axis::Axis;
+use super::drawing::canvas;
+use super::drawing::legend::{Entry, legend};
+use super::drawing::stroke::Marker;
+use super::drawing::style::method_style;
 use super::means::means_by;
-use super::style::method_style;
-use crate::table::Table;
+use crate::data::table::Table;
 
-/// A window whose error exceeds the least by no more than this part does about as well.
+/// Greatest excess over the least error, as a share of it, of a window that counts as equally good.
 const ABOUT_AS_WELL: f64 = 0.25;
 
-/// What is to be seen: the least error, and every range of neighbouring windows that do about as well.
+/// The title: the least error, and every range of neighbouring windows that are equally good.
 fn title(curve: &[(f64, f64)]) -> String {
     let Some(best) = curve.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else {
         return "No window was tried".to_string();
@@ -108,7 +109,7 @@ mod tests {
     use super::title;
 
     #[test]
-    fn the_title_says_which_windows_do_about_as_well() {
+    fn the_title_names_the_windows_that_are_equally_good() {
         let flat = [(3.0, 0.4), (4.0, 0.035), (4.5, 0.03), (6.0, 0.036)];
         assert_eq!(
             title(&flat),

@@ -1,9 +1,9 @@
-//! How well M periods tell directions apart: the Doppler bank's answer to one exact echo (2023 abstract, section 3).
+//! Angular resolution of M periods: the Doppler bank's response to one exact echo (2023 abstract, section 3).
 //!
-//! The echo of a plane wall at 60 degrees from the heading is the transmitted signal with time scaled by
-//! `(c + v cos theta) / (c - v cos theta)` about the block's centre. The bank's intensity at the echo's delay over cos(theta) is for one
-//! frequency f_c the magnitude of `sinc(M T 2 f_c v / c (cos theta - cos 60 deg))`: a Doppler cell is `c / (2 f_c M T v)` wide, and
-//! the half-power width 0.886 of a cell.
+//! The echo of a plane wall at 60 degrees from the heading is the transmitted signal with time scaled by `(c + v cos
+//! theta) / (c - v cos theta)` about the block's centre. The bank's intensity at the echo's delay over cos(theta) is
+//! for one frequency f_c the magnitude of `sinc(M T 2 f_c v / c (cos theta - cos 60 deg))`: a Doppler cell is `c / (2
+//! f_c M T v)` wide, and the half-power width 0.886 of a cell.
 
 use anyhow::{Context, Result};
 use fdtd::waveform::PeriodicWaveform;
@@ -12,14 +12,14 @@ use localizer::echo::DopplerBank;
 use localizer::parameters::MeasurementParameters;
 use localizer::signal::waveform::transmit_period;
 
-use crate::laboratory::Laboratory;
+use crate::data::table::{Table, cell};
 use crate::metrics::rounded;
+use crate::session::Session;
 use crate::summary::{ResolutionCell, Summary};
-use crate::table::{Table, cell};
 
 /// Numbers of periods.
 const PERIODS: [usize; 8] = [1, 2, 3, 4, 5, 6, 7, 8];
-/// N_theta of the bank: far finer than what M = 8 resolves.
+/// N_theta of the bank: far finer than the resolution of M = 8.
 const DIRECTIONS: usize = 720;
 /// Speed of the robot, m/s.
 const SPEED_MPS: f64 = 0.3;
@@ -53,7 +53,7 @@ fn echo(parameters: &Parameters, delay_s: f64) -> Vec<f32> {
         .collect()
 }
 
-/// The bank's answer over cos(theta), relative to its greatest value, from the stern to the bow.
+/// The bank's response over cos(theta), relative to its greatest value, from the stern to the bow.
 fn answer(parameters: &Parameters) -> Result<Vec<(f64, f64)>> {
     let bank = DopplerBank::new(parameters)?;
     let delay = parameters.signal.delay_of_range(RANGE_M);
@@ -90,7 +90,7 @@ fn half_power_width(answer: &[(f64, f64)]) -> Option<f64> {
 }
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
     let mut table = Table::new(["m", "cos_theta", "level"]);
     let mut widths = Table::new(["m", "half_power_width", "theory"]);
     summary.angular_resolution.clear();
@@ -102,9 +102,9 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
                 max_range_m: 2.0 * RANGE_M,
                 min_range_m: 0.0,
                 range_pool_m: 0.0,
-                ..lab.parameters.measurement
+                ..session.parameters.measurement
             },
-            ..lab.parameters.clone()
+            ..session.parameters.clone()
         };
         let answer = answer(&parameters)?;
         let width = half_power_width(&answer)
@@ -122,8 +122,8 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             theory: rounded(theory),
         });
     }
-    table.write(&lab.data("angular_resolution.csv"))?;
-    widths.write(&lab.data("angular_resolution_widths.csv"))
+    table.write(&session.data("angular_resolution.csv"))?;
+    widths.write(&session.data("angular_resolution_widths.csv"))
 }
 
 #[cfg(test)]
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_bank_resolves_what_theory_says() {
+    fn the_bank_resolves_as_theory_predicts() {
         // Tolerance 15 %: theory holds for the carrier alone, the code fills 0 to 19 kHz around it.
         for periods in [2, 6] {
             let parameters = Parameters {

@@ -3,13 +3,14 @@
 use anyhow::{Context, Result};
 use localizer::beacons::Beacons;
 
-use crate::laboratory::Laboratory;
+use crate::data::table::{Table, cell};
 use crate::metrics::{mean, rounded};
+use crate::recordings::ultrasound::{Link, Ranging};
+use crate::session::Session;
 use crate::summary::{AxisErrors, DualCircle, Summary};
-use crate::table::{Table, cell};
-use crate::ultrasound::{Link, Ranging};
 
-/// Corners of the 4 m square. The paper draws its receivers as a figure only; corners fit its farthest distance, 4.24 m.
+/// Corners of the 4 m square. The paper draws its receivers as a figure only; corners fit its farthest distance, 4.24
+/// m.
 const RECEIVERS_M: [[f64; 2]; 4] = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
 /// Repetitions of each point.
 const TRIALS: u64 = 20;
@@ -28,7 +29,8 @@ const TABLE_1_CM: [[f64; 2]; 9] = [
     [202.5, 294.0],
     [301.0, 295.5],
 ];
-/// Measured coordinates of Table 2 (triangulation), centimetres. Point 6 is off by 7 cm: the 6 cm hold for Table 1 alone.
+/// Measured coordinates of Table 2 (triangulation), centimetres. Point 6 is off by 7 cm: the 6 cm hold for Table 1
+/// alone.
 const TABLE_2_CM: [[f64; 2]; 9] = [
     [101.0, 99.0],
     [196.0, 101.0],
@@ -122,12 +124,12 @@ fn measured() -> Result<Table> {
 }
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
-    let path = lab.data("dual_circle_published.csv");
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+    let path = session.data("dual_circle_published.csv");
     published().write(&path)?;
     let published = Table::read(&path)?;
     let measured = measured()?;
-    measured.write(&lab.data("dual_circle.csv"))?;
+    measured.write(&session.data("dual_circle.csv"))?;
     summary.dual_circle = Some(DualCircle {
         published_dual_circle: errors(&published, "dual-circle")?,
         published_triangulation: errors(&published, "triangulation")?,

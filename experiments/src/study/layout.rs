@@ -4,11 +4,11 @@ use anyhow::Result;
 use fdtd::scene::Scene;
 use localizer::recording::Recording;
 
-use crate::atomic;
-use crate::figures::scene::layout_of;
-use crate::laboratory::Laboratory;
+use crate::data::atomic;
+use crate::data::layout::Layout;
+use crate::data::table::{Table, cell};
+use crate::session::Session;
 use crate::summary::Summary;
-use crate::table::{Table, cell};
 
 /// Truth and odometry of a recording, one row every tenth of a second, in `drive`.
 fn add_drive(drive: &mut Table, scene: &Scene, name: &str, recording: &Recording) -> Result<()> {
@@ -31,10 +31,8 @@ fn add_drive(drive: &mut Table, scene: &Scene, name: &str, recording: &Recording
 }
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, _summary: &mut Summary) -> Result<()> {
-    let mut text = serde_json::to_string_pretty(&layout_of(&lab.scene))?;
-    text.push('\n');
-    atomic::write(&lab.data("layout.json"), text.as_bytes())?;
+pub(crate) fn run(session: &Session, _summary: &mut Summary) -> Result<()> {
+    Layout::of(&session.scene).write(&session.data("layout.json"))?;
     let mut drive = Table::new([
         "path",
         "t_s",
@@ -47,16 +45,18 @@ pub(crate) fn run(lab: &Laboratory, _summary: &mut Summary) -> Result<()> {
         "omega_odometry_radps",
     ]);
     for name in ["mapping", "localization"] {
-        let recording = lab.recording(&lab.take(name, None), false)?;
-        add_drive(&mut drive, &lab.scene, name, &recording)?;
+        let recording = session
+            .recordings
+            .read(&session.recordings.spec(name, None), false)?;
+        add_drive(&mut drive, &session.scene, name, &recording)?;
     }
-    drive.write(&lab.data("drive.csv"))?;
-    let map = lab.map(None, &lab.parameters)?;
+    drive.write(&session.data("drive.csv"))?;
+    let map = session.measurements.map(None, &session.parameters)?;
     for (name, layer) in [("map.npy", &map.intensity), ("map_toa.npy", &map.toa_only)] {
-        atomic::write_with(&lab.data(name), |file| {
+        atomic::write_with(&session.data(name), |file| {
             Ok(ndarray_npy::write_npy(file, layer)?)
         })?;
     }
     let place = serde_json::json!({"origin_m": map.origin_m(), "cell_m": map.cell_m});
-    atomic::write(&lab.data("map.json"), format!("{place:#}\n").as_bytes())
+    atomic::write(&session.data("map.json"), format!("{place:#}\n").as_bytes())
 }

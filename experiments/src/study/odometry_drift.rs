@@ -1,27 +1,27 @@
-//! How well echoes correct the drift of wheel odometry (Fig. 6).
+//! Correction of the drift of wheel odometry by echoes (Fig. 6).
 
 use anyhow::Result;
 use localizer::Method;
 
-use super::{method_name, trials_of};
-use crate::laboratory::Laboratory;
+use super::cells::{method_name, trials_of};
+use crate::data::table::{Table, cell};
+use crate::session::Session;
 use crate::summary::{Methods, Summary};
-use crate::table::{Table, cell};
-use crate::trials::accuracy;
+use crate::trials::{self, accuracy};
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
     let methods = [
-        (Method::Doppler, lab.plan.trials),
-        (Method::ToaOnly, lab.plan.trials),
+        (Method::Doppler, session.plan.trials),
+        (Method::ToaOnly, session.plan.trials),
         // Dead reckoning has no random numbers.
         (Method::Odometry, 1),
     ];
     let trials: Vec<_> = methods
         .iter()
-        .flat_map(|&(method, count)| trials_of(&lab.parameters, method, count))
+        .flat_map(|&(method, count)| trials_of(&session.parameters, method, count))
         .collect();
-    let results = lab.trials("odometry-drift", &trials)?;
+    let results = trials::run(session, "odometry-drift", &trials)?;
     let mut paths = Table::new([
         "method",
         "trial",
@@ -44,8 +44,8 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             ]);
         }
     }
-    paths.write(&lab.data("drift_paths.csv"))?;
-    let count = lab.plan.trials;
+    paths.write(&session.data("drift_paths.csv"))?;
+    let count = session.plan.trials;
     summary.odometry_drift = Some(Methods {
         doppler: accuracy(&results[..count]),
         toa_only: accuracy(&results[count..2 * count]),

@@ -4,15 +4,15 @@ use anyhow::Result;
 use localizer::parameters::MeasurementParameters;
 use localizer::{Method, Parameters};
 
-use super::{doppler_trials, trials_of};
-use crate::laboratory::Laboratory;
+use super::cells::{doppler_trials, trials_of};
+use crate::data::table::{Table, cell};
+use crate::session::Session;
 use crate::summary::{PeriodsCell, Summary};
-use crate::table::{Table, cell};
-use crate::trials::{TrialResult, accuracy};
+use crate::trials::{self, TrialResult, accuracy};
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
-    let trials: Vec<_> = lab
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+    let trials: Vec<_> = session
         .plan
         .period_counts
         .iter()
@@ -20,16 +20,20 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             let parameters = Parameters {
                 measurement: MeasurementParameters {
                     periods,
-                    ..lab.parameters.measurement
+                    ..session.parameters.measurement
                 },
-                ..lab.parameters.clone()
+                ..session.parameters.clone()
             };
-            doppler_trials(&parameters, lab.plan.trials)
+            doppler_trials(&parameters, session.plan.trials)
         })
         .collect();
-    let results = lab.trials("periods", &trials)?;
-    // What the wheels alone say stands beside the paths.
-    let odometry = lab.trials("periods", &trials_of(&lab.parameters, Method::Odometry, 1))?;
+    let results = trials::run(session, "periods", &trials)?;
+    // Dead reckoning is shown beside the paths.
+    let odometry = trials::run(
+        session,
+        "periods",
+        &trials_of(&session.parameters, Method::Odometry, 1),
+    )?;
     let mut table = Table::new(["m", "trial", "mae_m"]);
     let mut paths = Table::new(["m", "t_s", "x_m", "y_m"]);
     let mut add_path = |name: &str, result: &TrialResult| {
@@ -52,13 +56,13 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
     for result in &odometry {
         add_path("odometry", result);
     }
-    table.write(&lab.data("periods.csv"))?;
-    paths.write(&lab.data("periods_paths.csv"))?;
-    summary.periods = lab
+    table.write(&session.data("periods.csv"))?;
+    paths.write(&session.data("periods_paths.csv"))?;
+    summary.periods = session
         .plan
         .period_counts
         .iter()
-        .zip(results.chunks(lab.plan.trials))
+        .zip(results.chunks(session.plan.trials))
         .map(|(&m, results)| PeriodsCell {
             m,
             accuracy: accuracy(results),

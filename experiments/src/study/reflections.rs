@@ -8,11 +8,11 @@ use localizer::{Parameters, ToaImage};
 use ndarray::Array2;
 use oracles::rays::{RayKind, Reflectors, TraceOptions, trace};
 
-use crate::atomic;
-use crate::laboratory::Laboratory;
+use crate::data::atomic;
+use crate::data::table::{Table, cell};
 use crate::metrics::{mean, rounded};
+use crate::session::Session;
 use crate::summary::{Reflections, Summary};
-use crate::table::{Table, cell};
 
 /// Greatest round-trip distance shown, metres.
 const SHOWN_M: f64 = 10.0;
@@ -20,7 +20,7 @@ const SHOWN_M: f64 = 10.0;
 /// Delays that share one column of the image; the greatest value stands for them.
 const POOL: usize = 4;
 
-/// How far a corner's apex reaches, metres: corners that are not quite square still send sound back.
+/// Reach of a corner's apex, metres: corners that are not quite square still send sound back.
 const SLACK_M: f64 = 0.05;
 
 /// Half width of a ray's trace in the intensity image, metres of round trip.
@@ -34,20 +34,20 @@ struct Ray {
 }
 
 /// Rays with one or two reflections at the times `t_s`.
-fn rays(lab: &Laboratory, times_s: &[f64]) -> Result<Vec<Ray>> {
-    let path = lab.scene.path("localization")?;
-    let reflectors = Reflectors::of(&lab.scene.walls);
+fn rays(session: &Session, times_s: &[f64]) -> Result<Vec<Ray>> {
+    let path = session.scene.path("localization")?;
+    let reflectors = Reflectors::of(&session.scene.walls);
     let options = TraceOptions {
         max_order: 2,
         slack_m: SLACK_M,
     };
     let mut found = Vec::new();
     for &t_s in times_s {
-        let source = path.point_at(t_s, lab.scene.robot.loudspeaker_offset_m);
-        let receiver = path.point_at(t_s, lab.scene.robot.microphone_offset_m);
+        let source = path.point_at(t_s, session.scene.robot.loudspeaker_offset_m);
+        let receiver = path.point_at(t_s, session.scene.robot.microphone_offset_m);
         for ray in trace(&reflectors, source, receiver, &options) {
             let kind = match ray.kind {
-                RayKind::Double if meet(&lab.scene.walls, &ray.walls) => RayKind::Corner,
+                RayKind::Double if meet(&session.scene.walls, &ray.walls) => RayKind::Corner,
                 RayKind::Direct | RayKind::Multiple => continue,
                 kind => kind,
             }
@@ -62,7 +62,7 @@ fn rays(lab: &Laboratory, times_s: &[f64]) -> Result<Vec<Ray>> {
     Ok(found)
 }
 
-/// Whether the two wall pieces of a double reflection end so near each other that they make a closed corner.
+/// Whether the two wall segments of a double reflection end so near each other that they form a closed corner.
 fn meet(walls: &[Wall], pieces: &[(usize, usize)]) -> bool {
     let ends = |&(wall, piece): &(usize, usize)| {
         let wall = walls.get(wall)?;
@@ -83,15 +83,17 @@ fn meet(walls: &[Wall], pieces: &[(usize, usize)]) -> bool {
 }
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
-    let recording = lab.recording(&lab.take("localization", None), false)?;
-    // The figure shows the sum over the directions, whatever stands for them in the range-only method.
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+    let recording = session
+        .recordings
+        .read(&session.recordings.spec("localization", None), false)?;
+    // The figure shows the sum over the directions, also when the range-only method uses another intensity.
     let parameters = &Parameters {
         measurement: MeasurementParameters {
             toa_image: ToaImage::Mean,
-            ..lab.parameters.measurement
+            ..session.parameters.measurement
         },
-        ..lab.parameters.clone()
+        ..session.parameters.clone()
     };
     let sequence = echo::measure(&recording, parameters)?;
     let delays = parameters
@@ -122,15 +124,15 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
         "t_s": [first_s - 0.5 * step_s, first_s + (times_s.len() as f64 - 0.5) * step_s],
         "range_m": [0.0, column_m * columns as f64],
     });
-    atomic::write_with(&lab.data("reflections.npy"), |file| {
+    atomic::write_with(&session.data("reflections.npy"), |file| {
         Ok(ndarray_npy::write_npy(file, &image)?)
     })?;
     atomic::write(
-        &lab.data("reflections.json"),
+        &session.data("reflections.json"),
         format!("{place:#}\n").as_bytes(),
     )?;
 
-    let rays = rays(lab, &times_s)?;
+    let rays = rays(session, &times_s)?;
     let mut table = Table::new(["t_s", "round_trip_m", "kind"]);
     for ray in &rays {
         table.push([
@@ -139,7 +141,7 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             ray.kind.to_string(),
         ]);
     }
-    table.write(&lab.data("rays.csv"))?;
+    table.write(&session.data("rays.csv"))?;
     let usable: Vec<&Ray> = rays.iter().filter(|ray| ray.kind != "double").collect();
     summary.reflections = Some(Reflections {
         farthest_usable_m: rounded(

@@ -4,29 +4,29 @@ use anyhow::Result;
 use fdtd::scheme::Scheme;
 use localizer::Method;
 
-use super::{method_name, trials_of};
-use crate::laboratory::Laboratory;
-use crate::simulate::Take;
+use super::cells::{method_name, trials_of};
+use crate::data::table::{Table, cell};
+use crate::recordings::spec::RecordingSpec;
+use crate::session::Session;
 use crate::summary::{SchemeAccuracy, Schemes, Summary};
-use crate::table::{Table, cell};
-use crate::trials::{Trial, accuracy};
+use crate::trials::{self, Trial, accuracy};
 
 /// Recordings of the study.
-pub(crate) fn takes(lab: &Laboratory) -> Vec<Take> {
-    lab.takes(Some(Scheme::Slf))
+pub(crate) fn specs(session: &Session) -> Vec<RecordingSpec> {
+    session.recordings.localization_specs(Some(Scheme::Slf))
 }
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
     let trials: Vec<Trial> = [Method::Doppler, Method::ToaOnly]
         .into_iter()
-        .flat_map(|method| trials_of(&lab.parameters, method, lab.plan.trials))
+        .flat_map(|method| trials_of(&session.parameters, method, session.plan.trials))
         .map(|trial| Trial {
             scheme: Some(Scheme::Slf),
             ..trial
         })
         .collect();
-    let results = lab.trials("schemes", &trials)?;
+    let results = trials::run(session, "schemes", &trials)?;
     let mut table = Table::new(["scheme", "method", "trial", "mae_m"]);
     for (trial, result) in trials.iter().zip(&results) {
         table.push([
@@ -36,8 +36,8 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             cell(result.mae_m(), 6),
         ]);
     }
-    table.write(&lab.data("schemes.csv"))?;
-    let (doppler, toa_only) = results.split_at(lab.plan.trials);
+    table.write(&session.data("schemes.csv"))?;
+    let (doppler, toa_only) = results.split_at(session.plan.trials);
     summary.schemes = Some(Schemes {
         slf: SchemeAccuracy {
             doppler: accuracy(doppler),

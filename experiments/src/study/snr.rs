@@ -4,42 +4,46 @@ use anyhow::Result;
 use localizer::parameters::FilterParameters;
 use localizer::{Method, Parameters};
 
-use crate::laboratory::Laboratory;
-use crate::noise::Noise;
-use crate::simulate::Take;
+use crate::data::table::{Table, cell};
+use crate::recordings::noise::Noise;
+use crate::recordings::spec::RecordingSpec;
+use crate::session::Session;
 use crate::summary::{NoiseCell, Summary};
-use crate::table::{Table, cell};
-use crate::trials::{Trial, accuracy};
+use crate::trials::{self, Trial, accuracy};
 
-/// Recordings of the study: the direct wave of the localization drive tells the power of the reflected signal.
-pub(crate) fn takes(lab: &Laboratory) -> Vec<Take> {
-    let mut takes = lab.takes(None);
-    takes.push(lab.direct_take(&lab.take("localization", None)));
-    takes
+/// Recordings of the study: the direct wave of the localization drive gives the power of the reflected signal.
+pub(crate) fn specs(session: &Session) -> Vec<RecordingSpec> {
+    let mut specs = session.recordings.localization_specs(None);
+    specs.push(
+        session
+            .recordings
+            .direct_spec(&session.recordings.spec("localization", None)),
+    );
+    specs
 }
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
-    let trials: Vec<Trial> = lab
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+    let trials: Vec<Trial> = session
         .plan
         .snr_db
         .iter()
         .flat_map(|&snr_db| {
-            (0..lab.plan.noise_trials as u64).map(move |trial| Trial {
+            (0..session.plan.noise_trials as u64).map(move |trial| Trial {
                 scheme: None,
                 parameters: Parameters {
                     filter: FilterParameters {
                         method: Method::Doppler,
-                        ..lab.parameters.filter
+                        ..session.parameters.filter
                     },
-                    ..lab.parameters.clone()
+                    ..session.parameters.clone()
                 },
                 trial,
                 noise: Some(Noise { snr_db, trial }),
             })
         })
         .collect();
-    let results = lab.trials("snr", &trials)?;
+    let results = trials::run(session, "snr", &trials)?;
     let mut table = Table::new(["snr_db", "trial", "mae_m"]);
     for (trial, result) in trials.iter().zip(&results) {
         let snr_db = trial.noise.map_or(f64::NAN, |noise| noise.snr_db);
@@ -49,12 +53,12 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             cell(result.mae_m(), 6),
         ]);
     }
-    table.write(&lab.data("snr.csv"))?;
-    summary.snr = lab
+    table.write(&session.data("snr.csv"))?;
+    summary.snr = session
         .plan
         .snr_db
         .iter()
-        .zip(results.chunks(lab.plan.noise_trials))
+        .zip(results.chunks(session.plan.noise_trials))
         .map(|(&snr_db, results)| NoiseCell {
             snr_db,
             accuracy: accuracy(results),

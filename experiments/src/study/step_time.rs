@@ -8,26 +8,30 @@ use localizer::filter::tracker::Tracker;
 use localizer::parameters::FilterParameters;
 use localizer::{EchoSequence, MapImage, Method, Parameters, Recording, echo};
 
-use crate::laboratory::{Laboratory, measurement_of};
+use crate::data::table::{Table, cell};
 use crate::metrics::{quantile, rounded};
+use crate::session::{Session, measurement_of};
 use crate::summary::{FilterTime, StepTime, Summary};
-use crate::table::{Table, cell};
 
 /// Blocks left out until the memory is warm.
 const WARM_UP: usize = 3;
 
-/// Milliseconds that each block takes in the Doppler bank, eqs. (1)-(3).
+/// Time of each block in the Doppler bank, eqs. (1)-(3), milliseconds.
 fn bank_times_ms(
-    lab: &Laboratory,
+    session: &Session,
     recording: &Recording,
     sequence: &EchoSequence,
 ) -> Result<Vec<f64>> {
-    let bank = DopplerBank::new(&lab.parameters)?;
+    let bank = DopplerBank::new(&session.parameters)?;
     let mut scratch = bank.scratch();
     let mut intensity = bank.intensity();
-    let period = lab.parameters.samples_per_period();
+    let period = session.parameters.samples_per_period();
     let mut times = Vec::new();
-    for block in sequence.blocks.iter().take(lab.plan.timed_blocks + WARM_UP) {
+    for block in sequence
+        .blocks
+        .iter()
+        .take(session.plan.timed_blocks + WARM_UP)
+    {
         let start = block.index * period;
         let samples = recording
             .signal
@@ -40,9 +44,9 @@ fn bank_times_ms(
     Ok(times.split_off(WARM_UP.min(times.len())))
 }
 
-/// Milliseconds that each block takes in the particle filter, eqs. (8)-(18).
+/// Time of each block in the particle filter, eqs. (8)-(18), milliseconds.
 fn filter_times_ms(
-    lab: &Laboratory,
+    session: &Session,
     recording: &Recording,
     sequence: &EchoSequence,
     map: &MapImage,
@@ -54,7 +58,7 @@ fn filter_times_ms(
         .blocks
         .iter()
         .enumerate()
-        .take(lab.plan.timed_blocks + WARM_UP)
+        .take(session.plan.timed_blocks + WARM_UP)
     {
         let started = Instant::now();
         std::hint::black_box(tracker.update(block, sequence.recent_odometry(index), map));
@@ -64,27 +68,29 @@ fn filter_times_ms(
 }
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
-    let recording = lab.recording(&lab.take("localization", None), false)?;
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+    let recording = session
+        .recordings
+        .read(&session.recordings.spec("localization", None), false)?;
     let doppler = Parameters {
         filter: FilterParameters {
             method: Method::Doppler,
-            ..lab.parameters.filter
+            ..session.parameters.filter
         },
-        ..lab.parameters.clone()
+        ..session.parameters.clone()
     };
-    let sequence = echo::measure(&recording, &measurement_of(&doppler, &lab.parameters))?;
-    let map = lab.map(None, &doppler)?;
+    let sequence = echo::measure(&recording, &measurement_of(&doppler, &session.parameters))?;
+    let map = session.measurements.map(None, &doppler)?;
     let mut table = Table::new(["stage", "half_width_m", "time_ms"]);
     let mut add = |stage: &str, half_width: String, times: &[f64]| {
         for time in times {
             table.push([stage.to_string(), half_width.clone(), cell(*time, 4)]);
         }
     };
-    let bank = bank_times_ms(lab, &recording, &sequence)?;
+    let bank = bank_times_ms(session, &recording, &sequence)?;
     add("doppler_bank", String::new(), &bank);
     let mut filter_by_window = Vec::new();
-    for &half_width_m in &lab.plan.half_widths_m {
+    for &half_width_m in &session.plan.half_widths_m {
         let parameters = Parameters {
             filter: FilterParameters {
                 window_half_width_m: half_width_m,
@@ -92,15 +98,15 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             },
             ..doppler.clone()
         };
-        let times = filter_times_ms(lab, &recording, &sequence, &map, &parameters)?;
+        let times = filter_times_ms(session, &recording, &sequence, &map, &parameters)?;
         add("filter", cell(half_width_m, 2), &times);
         filter_by_window.push(FilterTime {
             half_width_m,
             median_ms: rounded(quantile(&times, 0.5)),
         });
     }
-    table.write(&lab.data("step_time.csv"))?;
-    let filter = filter_times_ms(lab, &recording, &sequence, &map, &doppler)?;
+    table.write(&session.data("step_time.csv"))?;
+    let filter = filter_times_ms(session, &recording, &sequence, &map, &doppler)?;
     summary.step_time_ms = Some(StepTime {
         doppler_bank: rounded(quantile(&bank, 0.5)),
         filter: rounded(quantile(&filter, 0.5)),

@@ -4,15 +4,15 @@ use anyhow::Result;
 use localizer::Parameters;
 use localizer::parameters::FilterParameters;
 
-use super::doppler_trials;
-use crate::laboratory::Laboratory;
+use super::cells::doppler_trials;
+use crate::data::table::{Table, cell};
+use crate::session::Session;
 use crate::summary::{Summary, WindowCell};
-use crate::table::{Table, cell};
-use crate::trials::accuracy;
+use crate::trials::{self, accuracy};
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
-    let trials: Vec<_> = lab
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+    let trials: Vec<_> = session
         .plan
         .half_widths_m
         .iter()
@@ -20,14 +20,14 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             let parameters = Parameters {
                 filter: FilterParameters {
                     window_half_width_m,
-                    ..lab.parameters.filter
+                    ..session.parameters.filter
                 },
-                ..lab.parameters.clone()
+                ..session.parameters.clone()
             };
-            doppler_trials(&parameters, lab.plan.trials)
+            doppler_trials(&parameters, session.plan.trials)
         })
         .collect();
-    let results = lab.trials("window-size", &trials)?;
+    let results = trials::run(session, "window-size", &trials)?;
     let mut table = Table::new(["half_width_m", "trial", "mae_m"]);
     for (trial, result) in trials.iter().zip(&results) {
         table.push([
@@ -36,12 +36,12 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             cell(result.mae_m(), 6),
         ]);
     }
-    table.write(&lab.data("window_size.csv"))?;
-    summary.window_size = lab
+    table.write(&session.data("window_size.csv"))?;
+    summary.window_size = session
         .plan
         .half_widths_m
         .iter()
-        .zip(results.chunks(lab.plan.trials))
+        .zip(results.chunks(session.plan.trials))
         .map(|(&half_width_m, results)| WindowCell {
             half_width_m,
             accuracy: accuracy(results),

@@ -22,7 +22,7 @@ pub struct Multipath {
     pub scene: MultipathScene,
 }
 
-/// How well a drive was followed.
+/// Accuracy of a followed drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FollowedPath {
     /// Mean over the trials of the error at the end of the drive, metres.

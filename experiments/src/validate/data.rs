@@ -9,7 +9,7 @@ use oracles::laws::conditions::Conditions;
 use oracles::laws::setting::Setting;
 use oracles::laws::{Depth, dispersion, scene_echoes};
 
-use crate::table::{Table, cell};
+use crate::data::table::{Table, cell};
 
 /// Directions of the curves of the dispersion relation, degrees.
 const ANGLES_DEG: [f64; 3] = [0.0, 22.5, 45.0];
@@ -67,7 +67,8 @@ pub(super) fn measured() -> Result<Table> {
     Ok(table)
 }
 
-/// Echoes of the scene, field and images: the signals at a place of the whole scene, and what every echo that stands alone is off.
+/// Echoes of the scene, field and images: the signals at a place of the whole scene, and the errors of every echo that
+/// is separate from the others.
 pub(super) fn scene_echoes(depth: Depth, data: &Path) -> Result<()> {
     let places = scene_echoes::places(depth)?;
     let mut signal = Table::new(["t_ms", "field_pa", "images_pa"]);

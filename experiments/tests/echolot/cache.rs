@@ -2,31 +2,32 @@
 
 use std::path::Path;
 
-use experiments::cache::recording_key;
-use experiments::simulate::{Engine, Take, engine_print};
+use experiments::recordings::fingerprint::engine_fingerprint;
+use experiments::recordings::key::recording_key;
+use experiments::recordings::{Engine, RecordingSpec};
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
 
 use crate::room::{ROOM, scene};
 
-fn key(text: &str, take: &Take) -> String {
+fn key(text: &str, spec: &RecordingSpec) -> String {
     let scene = Scene::from_json(text, Path::new("room.json")).unwrap();
-    recording_key(&scene, take, "print").unwrap()
+    recording_key(&scene, spec, "print").unwrap()
 }
 
 #[test]
-fn what_does_not_sound_does_not_count() {
-    let take = Take::of("localization", Engine::Fdtd);
-    let original = key(ROOM, &take);
-    assert_eq!(original, key(ROOM, &take));
+fn values_without_influence_on_the_sound_do_not_enter() {
+    let spec = RecordingSpec::of("localization", Engine::Fdtd);
+    let original = key(ROOM, &spec);
+    assert_eq!(original, key(ROOM, &spec));
     assert_eq!(
         original,
-        key(&ROOM.replace("\"room\"", "\"chamber\""), &take)
+        key(&ROOM.replace("\"room\"", "\"chamber\""), &spec)
     );
-    // The scene's own scheme said explicitly is the same scheme.
-    let explicit = Take {
+    // The scene's own scheme given explicitly is the same scheme.
+    let explicit = RecordingSpec {
         scheme: Some(Scheme::M13),
-        ..take.clone()
+        ..spec.clone()
     };
     assert_eq!(original, key(ROOM, &explicit));
     // One leg cut in two is the same drive; another path does not matter.
@@ -34,14 +35,14 @@ fn what_does_not_sound_does_not_count() {
     let halves = "{\"duration_s\": 2.5, \"v_mps\": 0.22, \"omega_radps\": 0.4}";
     assert!(ROOM.contains(legs));
     let other = ROOM.replace("\"duration_s\": 8", "\"duration_s\": 7");
-    assert_eq!(original, key(&other, &take));
-    assert_ne!(original, key(&ROOM.replace(legs, halves), &take));
+    assert_eq!(original, key(&other, &spec));
+    assert_ne!(original, key(&ROOM.replace(legs, halves), &spec));
 }
 
 #[test]
-fn what_sounds_counts() {
-    let take = Take::of("localization", Engine::Fdtd);
-    let original = key(ROOM, &take);
+fn values_that_determine_the_sound_enter() {
+    let spec = RecordingSpec::of("localization", Engine::Fdtd);
+    let original = key(ROOM, &spec);
     for (before, after) in [
         ("[2.15, 0.6]", "[2.15, 0.61]"),
         ("\"nx\": 500", "\"nx\": 501"),
@@ -58,26 +59,26 @@ fn what_sounds_counts() {
         assert!(ROOM.contains(before), "{before}");
         assert_ne!(
             original,
-            key(&ROOM.replace(before, after), &take),
+            key(&ROOM.replace(before, after), &spec),
             "{after}"
         );
     }
     let others = [
-        Take::of("mapping", Engine::Fdtd),
-        Take::of("localization", Engine::ImageSource),
-        take.in_free_field(),
-        Take {
+        RecordingSpec::of("mapping", Engine::Fdtd),
+        RecordingSpec::of("localization", Engine::ImageSource),
+        spec.in_free_field(),
+        RecordingSpec {
             scheme: Some(Scheme::Slf),
-            ..take.clone()
+            ..spec.clone()
         },
-        take.stamped(),
-        Take {
+        spec.stamped(),
+        RecordingSpec {
             wall_model: Some(fdtd::walls::WallModel::Staircase),
-            ..take.clone()
+            ..spec.clone()
         },
-        Take {
+        RecordingSpec {
             odometry_bias_radps: 0.0,
-            ..take.clone()
+            ..spec.clone()
         },
     ];
     for other in &others {
@@ -85,16 +86,16 @@ fn what_sounds_counts() {
     }
     assert_ne!(
         original,
-        recording_key(&scene(), &take, "other print").unwrap()
+        recording_key(&scene(), &spec, "other print").unwrap()
     );
 }
 
 #[test]
-fn the_print_of_an_engine_repeats_and_tells_schemes_apart() {
+fn the_fingerprint_of_an_engine_repeats_and_differs_between_schemes() {
     let scene = scene();
-    let print = |take: &Take| engine_print(take, &scene).unwrap();
-    let m13 = Take::of("localization", Engine::Fdtd);
-    let slf = Take {
+    let print = |spec: &RecordingSpec| engine_fingerprint(spec, &scene).unwrap();
+    let m13 = RecordingSpec::of("localization", Engine::Fdtd);
+    let slf = RecordingSpec {
         scheme: Some(Scheme::Slf),
         ..m13.clone()
     };
@@ -102,6 +103,6 @@ fn the_print_of_an_engine_repeats_and_tells_schemes_apart() {
     assert_ne!(print(&m13), print(&slf));
     assert_ne!(
         print(&m13),
-        print(&Take::of("localization", Engine::ImageSource))
+        print(&RecordingSpec::of("localization", Engine::ImageSource))
     );
 }

@@ -58,7 +58,7 @@ fn a_simulated_robot_finds_itself() {
     let text = String::from_utf8(bytes("doppler.tum")).unwrap();
     assert!(text.lines().all(|line| line.split(' ').count() == 8));
 
-    // A recording made by hand has no truth: the start comes from recording.json, and no error is told.
+    // A recording made by hand has no truth: the start comes from recording.json, and no error is printed.
     std::fs::remove_file(at.join("localization/truth.tum")).unwrap();
     let report = json(
         at,
@@ -122,7 +122,7 @@ fn a_study_goes_from_scene_to_verdict() {
         );
     }
 
-    // The second run finds everything in the cache and says the same.
+    // The second run finds everything in the cache and prints the same.
     let cached = || -> Vec<(PathBuf, SystemTime)> {
         let mut files: Vec<_> = ["recordings", "trials"]
             .iter()
@@ -161,7 +161,8 @@ fn a_study_goes_from_scene_to_verdict() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("1 of 3 measures worse"));
 }
 
-/// All noises and levels go through the drive together; a trial that goes alone, or on another number of threads, gives the same.
+/// All noises and levels run through the drive together; a trial alone, or on another number of threads, gives the
+/// same.
 #[test]
 fn trials_with_noise_do_not_depend_on_their_company() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -199,7 +200,7 @@ fn trials_with_noise_do_not_depend_on_their_company() {
     }
     std::fs::remove_dir_all(&trials).unwrap();
     assert_eq!(snr("1"), together);
-    // Every one is another's: no two have the same error.
+    // No two have the same error.
     let mut rows: Vec<&str> = together.lines().skip(1).collect();
     rows.iter_mut()
         .for_each(|row| *row = row.rsplit(',').next().unwrap());

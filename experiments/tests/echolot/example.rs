@@ -1,4 +1,4 @@
-//! The example recordings, in the format of a laboratory, go through `map` and `localize`.
+//! The example recordings, in the format that a laboratory exports, go through `map` and `localize`.
 
 use std::path::{Path, PathBuf};
 

@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use experiments::atomic;
+use experiments::data::atomic;
+use experiments::data::table::Table;
 use experiments::figures::{Drawn, draw_all, draw_bench};
-use experiments::table::Table;
 
 fn table(path: &Path, text: &str) {
     atomic::write(path, text.as_bytes()).unwrap();
     Table::read(path).unwrap();
 }
 
-/// Writes as little data as every figure can live on.
+/// Writes the least data that every figure needs.
 fn write_data(data: &Path) {
     let layout = r#"{"name": "room", "size_m": [2.0, 2.0], "layer_m": 0.1,
         "walls": [{"points_m": [[0.5, 0.5], [1.5, 0.5], [1.5, 1.5]], "thickness_m": 0.02}]}"#;
@@ -42,7 +42,8 @@ fn write_data(data: &Path) {
     table(
         &data.join("drift_paths.csv"),
         "method,trial,t_s,x_m,y_m,heading_rad,error_m\ndoppler,0,0.3,1,1,0,0.01\ndoppler,0,0.4,1,1.1,0,0.02\n\
-         toa-only,0,0.3,1,1,0,0.02\ntoa-only,0,0.4,1,1.1,0,0.03\nodometry,0,0.3,1,1,0,0.2\nodometry,0,0.4,1,1.2,0,0.3\n",
+         toa-only,0,0.3,1,1,0,0.02\ntoa-only,0,0.4,1,1.1,0,0.03\nodometry,0,0.3,1,1,0,0.2\n\
+         odometry,0,0.4,1,1.2,0,0.3\n",
     );
     table(
         &data.join("window_size.csv"),

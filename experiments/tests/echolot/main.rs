@@ -1,9 +1,11 @@
-//! The command line tool and what it is made of, from outside.
+//! The command line tool and its modules, from outside.
 
+mod bench;
 mod cache;
 mod commands;
 mod end_to_end;
 mod example;
 mod figures;
+mod interruption;
 mod room;
 mod snapshots;

@@ -16,9 +16,11 @@ pub(crate) const ROOM: &str = r#"{
   ],
   "paths": {
     "mapping": {"start": {"x_m": 1.6, "y_m": 1.25, "heading_rad": 1.5708, "v_mps": 0.3},
-      "legs": [{"duration_s": 8, "v_mps": 0.3, "omega_radps": 0.8}, {"duration_s": 7, "v_mps": 0.3, "omega_radps": 1.0}]},
+      "legs": [{"duration_s": 8, "v_mps": 0.3, "omega_radps": 0.8},
+        {"duration_s": 7, "v_mps": 0.3, "omega_radps": 1.0}]},
     "localization": {"start": {"x_m": 0.85, "y_m": 0.9, "heading_rad": 0.2, "v_mps": 0.22},
-      "legs": [{"duration_s": 5, "v_mps": 0.22, "omega_radps": 0.4}, {"duration_s": 5, "v_mps": 0.22, "omega_radps": 0.6}]},
+      "legs": [{"duration_s": 5, "v_mps": 0.22, "omega_radps": 0.4},
+        {"duration_s": 5, "v_mps": 0.22, "omega_radps": 0.6}]},
     "short": {"start": {"x_m": 0.85, "y_m": 0.9, "heading_rad": 0.2, "v_mps": 0.22},
       "legs": [{"duration_s": 0.12, "v_mps": 0.22, "omega_radps": 0.4}]}
   }

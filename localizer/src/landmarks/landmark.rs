@@ -201,8 +201,8 @@ mod tests {
             normal_rad: 0.0,
             distance_m: 5.0,
         };
-        let (v_mps, c_mps) = (20.0, 340.0);
-        let path_m = 2.0 * 4.0 / (1.0 - v_mps / c_mps);
+        let (v_mps, c_mps) = (20.0_f64, 340.0_f64);
+        let path_m: f64 = 2.0 * 4.0 / (1.0 - v_mps / c_mps);
         assert!((path_m - (4.0 + v_mps * path_m / c_mps) - 4.0).abs() < 1e-12);
         let motion = Motion {
             odometry: Odometry {

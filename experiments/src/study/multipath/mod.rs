@@ -1,5 +1,7 @@
-//! Position from multipath arrival times by planes and a Kalman filter (Tsuchiya et al., 2021), in a room and on the preset's scene.
+//! Position from multipath arrival times by planes and a Kalman filter (Tsuchiya et al., 2021), in a room and on the
+//! preset's scene.
 
+mod paths;
 mod scene;
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,24 +9,21 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use anyhow::{Context, Result};
 use localizer::filter::motion_model::dead_reckon;
 use localizer::multipath::arrivals;
-use localizer::multipath::ekf::{Noise, follow};
-use localizer::multipath::peaks::Picking;
+use localizer::multipath::ekf::follow;
 use localizer::multipath::prediction::{Model, Predictor};
-use localizer::pose::wrap_angle;
 use localizer::{Recording, Trajectory};
 use rayon::prelude::*;
 
-use crate::interrupt;
-use crate::laboratory::Laboratory;
-use crate::metrics::{Accuracy, mean, rounded};
-use crate::multipath::{CEILING_M, CORNERS_M, HEIGHTS_M, Site};
+use self::paths::{COLUMNS, Errors, GATE_M, PICKING, accuracy, errors, noise, write_path};
+use crate::data::table::{Table, cell};
+use crate::metrics::{mean, rounded};
+use crate::recordings::multipath_room::{CEILING_M, CORNERS_M, HEIGHTS_M, Site};
+use crate::run::interrupt;
+use crate::session::Session;
 use crate::summary::{FollowedPath, Multipath, MultipathGate, Summary};
-use crate::table::{Table, cell};
 
 /// Trials: seeds of noise and slip.
 const TRIALS: u64 = 10;
-/// Every how many blocks an estimate is written to the data file.
-const EVERY: usize = 2;
 /// Methods in the data files.
 const METHODS: [(&str, Option<Model>); 4] = [
     ("single", Some(Model::Single)),
@@ -33,106 +32,30 @@ const METHODS: [(&str, Option<Model>); 4] = [
     ("odometry", None),
 ];
 
-/// Peaks: four times the noise, one chip apart.
-const PICKING: Picking = Picking {
-    threshold: 4.0,
-    separation: 4,
-    most: 16,
-};
-/// Round trips at which peaks are picked: beyond the direct wave and the floor's echo, up to the longest double echoes, metres.
+/// Round trips at which peaks are picked: beyond the direct wave and the floor's echo, up to the longest double echoes,
+/// metres.
 const ROUND_TRIP_M: [f64; 2] = [1.2, 9.0];
 
-/// Gate of the association where it is not varied: largest difference of round trips, metres.
-const GATE_M: f64 = 0.25;
 /// Gates tried; the widest lets nearly every peak pass, as eq. (4) without a gate does.
 const GATES_M: [f64; 8] = [0.1, 0.15, 0.2, GATE_M, 0.3, 0.4, 0.6, 1.0];
 
-/// Noise that the filter expects, the same for all models, at a speed of sound in m/s and a gate in metres.
-fn noise(c_mps: f64, gate_m: f64) -> Noise {
-    Noise {
-        v_mps: 0.05,
-        omega_radps: 0.1,
-        time_s: 0.03 / c_mps,
-        gate_s: gate_m / c_mps,
-    }
-}
-
-/// Errors of a trajectory at its own times.
-struct Errors {
-    position_m: Vec<f64>,
-    heading_rad: Vec<f64>,
-}
-
-/// Compares a trajectory with the truth of its recording, the start left out.
-fn errors(trajectory: &Trajectory, recording: &Recording) -> Result<Errors> {
-    let truth = recording
-        .truth
-        .as_ref()
-        .context("recording: truth.tum: is missing")?;
-    let mut errors = Errors {
-        position_m: Vec::new(),
-        heading_rad: Vec::new(),
-    };
-    for (t_s, pose) in trajectory.t_s.iter().zip(&trajectory.poses).skip(1) {
-        let true_pose = truth
-            .pose_at(*t_s)
-            .context("recording: truth.tum: is empty")?;
-        errors.position_m.push(rounded(pose.distance_m(&true_pose)));
-        let turned = wrap_angle(pose.heading_rad - true_pose.heading_rad);
-        errors.heading_rad.push(rounded(turned));
-    }
-    Ok(errors)
-}
-
-/// Accuracy over trials.
-fn accuracy(trials: &[Errors]) -> Accuracy {
-    let pairs: Vec<(&[f64], &[f64])> = trials
-        .iter()
-        .map(|errors| (errors.position_m.as_slice(), errors.heading_rad.as_slice()))
-        .collect();
-    Accuracy::over(&pairs)
-}
-
-/// Adds rows of a trajectory: method, trial, time, position and error.
-fn write_path(
-    table: &mut Table,
-    method: &str,
-    trial: u64,
-    trajectory: &Trajectory,
-    errors: &Errors,
-) {
-    let rows = trajectory.t_s.iter().zip(&trajectory.poses).skip(1);
-    for ((t_s, pose), error_m) in rows.zip(&errors.position_m).step_by(EVERY) {
-        table.push([
-            method.to_string(),
-            trial.to_string(),
-            cell(*t_s, 3),
-            cell(pose.x_m, 3),
-            cell(pose.y_m, 3),
-            cell(*error_m, 4),
-        ]);
-    }
-}
-
-const COLUMNS: [&str; 6] = ["method", "trial", "t_s", "x_m", "y_m", "error_m"];
-
 /// Writes the room's plan and the true path.
-fn write_room(lab: &Laboratory, recording: &Recording) -> Result<()> {
+fn write_room(session: &Session, recording: &Recording) -> Result<()> {
     let mut room = Table::new(["x_m", "y_m", "ceiling_m"]);
     for [x, y] in CORNERS_M {
         room.push([x, y, CEILING_M].map(|value| cell(value, 3)));
     }
-    room.write(&lab.data("multipath_room.csv"))?;
+    room.write(&session.data("multipath_room.csv"))?;
     let mut drive = Table::new(["t_s", "x_m", "y_m"]);
     if let Some(truth) = &recording.truth {
         for (t_s, pose) in truth.t_s.iter().zip(&truth.poses).step_by(10) {
             drive.push([cell(*t_s, 2), cell(pose.x_m, 4), cell(pose.y_m, 4)]);
         }
     }
-    drive.write(&lab.data("multipath_drive.csv"))
+    drive.write(&session.data("multipath_drive.csv"))
 }
 
-/// What one trial gives.
+/// Results of one trial.
 struct Trial {
     /// Method, gate in metres and mean error in metres.
     gates: Vec<(&'static str, f64, f64)>,
@@ -169,19 +92,19 @@ fn run_trial(site: &Site, recording: &Recording) -> Result<Trial> {
 }
 
 /// Runs the study.
-pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
-    let site = Site::simulate(&lab.cache)?;
+pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+    let site = Site::simulate(&session.cache)?;
     let mut paths = Table::new(COLUMNS);
     let mut gates = Table::new(["method", "gate_m", "trial", "mae_m"]);
     let mut followed: [Vec<Errors>; 4] = Default::default();
-    let task = lab.board.task("multipath", TRIALS);
+    let task = session.board.task("multipath", TRIALS);
     let done = AtomicU64::new(0);
-    // A trial of all methods and gates each, side by side; tables keep the order of the trials.
+    // Trials run in parallel; tables keep their order.
     let trials = (0..TRIALS).into_par_iter().map(|trial| {
         interrupt::check()?;
         let recording = site.recording(trial);
         if trial == 0 {
-            write_room(lab, &recording)?;
+            write_room(session, &recording)?;
         }
         let found = run_trial(&site, &recording)?;
         task.set(done.fetch_add(1, Ordering::Relaxed) + 1);
@@ -202,8 +125,8 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
             list.push(errors);
         }
     }
-    paths.write(&lab.data("multipath.csv"))?;
-    gates.write(&lab.data("multipath_gates.csv"))?;
+    paths.write(&session.data("multipath.csv"))?;
+    gates.write(&session.data("multipath_gates.csv"))?;
     let [single, planar, spatial, odometry] = followed.map(|trials| FollowedPath {
         final_m: rounded(mean(
             &trials
@@ -219,7 +142,7 @@ pub(crate) fn run(lab: &Laboratory, summary: &mut Summary) -> Result<()> {
         spatial,
         odometry,
         gates: by_gate(&gates)?,
-        scene: scene::run(lab)?,
+        scene: scene::run(session)?,
     });
     Ok(())
 }
@@ -243,17 +166,4 @@ fn by_gate(gates: &Table) -> Result<Vec<MultipathGate>> {
             })
         })
         .collect()
-}
-
-/// Rows of the table of accuracies: cell and accuracy.
-pub(super) fn rows(found: &Multipath) -> [(&'static str, &Accuracy); 7] {
-    [
-        ("(a) single", &found.single.accuracy),
-        ("(b) double, in the plane", &found.planar.accuracy),
-        ("(c) with ceiling and floor", &found.spatial.accuracy),
-        ("odometry", &found.odometry.accuracy),
-        ("scene: (b)", &found.scene.planar),
-        ("scene: Doppler", &found.scene.doppler),
-        ("scene: odometry", &found.scene.odometry),
-    ]
 }

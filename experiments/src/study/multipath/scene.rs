@@ -1,4 +1,5 @@
-//! Model (b) against the Doppler method on the localization drive of the preset's scene: the same recording, the same wheels.
+//! Model (b) against the Doppler method on the localization drive of the preset's scene: the same recording and
+//! odometry.
 
 use anyhow::{Context, Result};
 use fdtd::scene::Scene;
@@ -11,14 +12,15 @@ use localizer::parameters::MeasurementParameters;
 use localizer::{Parameters, Pose, Trajectory};
 use oracles::rays::Reflectors;
 
-use super::{COLUMNS, Errors, GATE_M, PICKING, accuracy, errors, noise, write_path};
-use crate::laboratory::Laboratory;
-use crate::study::doppler_trials;
+use super::paths::{COLUMNS, Errors, GATE_M, PICKING, accuracy, errors, noise, write_path};
+use crate::data::table::Table;
+use crate::session::Session;
+use crate::study::cells::doppler_trials;
 use crate::summary::MultipathScene;
-use crate::table::Table;
 use crate::trials::{self, TrialResult};
 
-/// Longest round trip at which peaks are picked, metres; the papers' scene has its longest single and corner echoes there.
+/// Longest round trip at which peaks are picked, metres; the papers' scene has its longest single and corner echoes
+/// there.
 const FARTHEST_M: f64 = 8.0;
 
 /// The faces of the scene's walls as finite planes that reflect to their front.
@@ -63,22 +65,24 @@ fn trajectory(result: &TrialResult) -> (Trajectory, Errors) {
 }
 
 /// Runs both methods.
-pub(super) fn run(lab: &Laboratory) -> Result<MultipathScene> {
-    let recording = lab.recording(&lab.take("localization", None), false)?;
-    let c_mps = lab.parameters.signal.speed_of_sound_mps;
+pub(super) fn run(session: &Session) -> Result<MultipathScene> {
+    let recording = session
+        .recordings
+        .read(&session.recordings.spec("localization", None), false)?;
+    let c_mps = session.parameters.signal.speed_of_sound_mps;
     let parameters = Parameters {
         measurement: MeasurementParameters {
             periods: 2,
-            // The noise level wants all delays of a period.
-            max_range_m: 0.48 * c_mps * lab.parameters.period_s(),
-            ..lab.parameters.measurement
+            // The noise level is estimated from all delays of a period.
+            max_range_m: 0.48 * c_mps * session.parameters.period_s(),
+            ..session.parameters.measurement
         },
-        ..lab.parameters.clone()
+        ..session.parameters.clone()
     };
     let nearest_m = 2.0 * parameters.measurement.min_range_m;
     let blocks = arrivals::measure(&recording, &parameters, &PICKING, [nearest_m, FARTHEST_M])?;
-    // In the plane all heights are one.
-    let predictor = Predictor::new(&planes(&lab.scene)?, Model::Planar, [0.0; 2], c_mps);
+    // In the plane all heights are equal.
+    let predictor = Predictor::new(&planes(&session.scene)?, Model::Planar, [0.0; 2], c_mps);
     let start = recording.start_pose();
     let mut table = Table::new(COLUMNS);
     let mut single = |name: &str, path: &Trajectory| -> Result<_> {
@@ -91,15 +95,16 @@ pub(super) fn run(lab: &Laboratory) -> Result<MultipathScene> {
         &follow(&blocks, &predictor, noise(c_mps, GATE_M), start),
     )?;
     let odometry = single("odometry", &dead_reckon(&recording, &parameters, start))?;
-    let results = lab.trials(
+    let results = trials::run(
+        session,
         "multipath, Doppler",
-        &doppler_trials(&lab.parameters, lab.plan.trials),
+        &doppler_trials(&session.parameters, session.plan.trials),
     )?;
     if let Some(first) = results.first() {
         let (path, errors) = trajectory(first);
         write_path(&mut table, "doppler", 0, &path, &errors);
     }
-    table.write(&lab.data("multipath_scene.csv"))?;
+    table.write(&session.data("multipath_scene.csv"))?;
     Ok(MultipathScene {
         planar,
         doppler: trials::accuracy(&results),

@@ -1,0 +1,57 @@
+//! Arguments that several commands share.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+use localizer::Parameters;
+
+use crate::recordings::spec::{Engine, IMAGE_ORDER};
+
+/// Engine that computes the sound.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct EngineArguments {
+    /// What computes the sound: the field, or image sources (approximate, seconds).
+    #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
+    pub(super) engine: Engine,
+    /// Most reflections of an echo by image sources [default: 2].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=6))]
+    image_order: Option<u8>,
+}
+
+impl EngineArguments {
+    /// Most reflections of an image source's echo.
+    pub(super) fn image_order(&self) -> Result<usize> {
+        if let (Engine::Fdtd, Some(order)) = (self.engine, self.image_order) {
+            bail!(
+                "--image-order {order}: is for image sources, the field has all reflections; add --engine \
+                image-source or leave it out"
+            );
+        }
+        Ok(usize::from(self.image_order.unwrap_or(IMAGE_ORDER)))
+    }
+}
+
+/// Parameters of the localizer.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct ParameterArguments {
+    /// JSON file with parameters of the localizer; those it leaves out keep the paper's values.
+    #[arg(long, value_name = "FILE")]
+    pub(super) parameters: Option<PathBuf>,
+}
+
+impl ParameterArguments {
+    /// Reads the file, if one was given.
+    pub(super) fn read(&self) -> Result<Parameters> {
+        let Some(path) = &self.parameters else {
+            return Ok(Parameters::default());
+        };
+        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        serde_json::from_str(&text).with_context(|| path.display().to_string())
+    }
+}
+
+/// Reads an argument by its spelling in files (`slf`, `kaiser8`).
+pub(super) fn named<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
+    serde_json::from_value(serde_json::Value::String(text.to_string()))
+        .map_err(|error| error.to_string())
+}

@@ -1,0 +1,66 @@
+//! Localization trials: measured echoes are shared, filter runs go in parallel, results are kept in the cache.
+
+mod group;
+mod noise_sweep;
+mod plain;
+mod trial;
+
+use anyhow::{Context, Result};
+
+use self::group::{Group, Output};
+use crate::data::cache::Key;
+use crate::session::Session;
+
+pub use self::trial::{Trial, TrialResult, accuracy};
+
+/// Version of the code around the localizer that results depend on (noise, errors).
+const VERSION: u32 = 2;
+
+/// Results of the trials in their order, from the cache where it has them. `label` names the progress bar.
+///
+/// # Errors
+/// When a recording is missing (see [`Session::simulate`]), the localizer refuses one, or the user interrupts.
+pub fn run(session: &Session, label: &str, trials: &[Trial]) -> Result<Vec<TrialResult>> {
+    let keys = trials
+        .iter()
+        .map(|trial| key_of(session, trial))
+        .collect::<Result<Vec<_>>>()?;
+    let mut results: Vec<Option<TrialResult>> = keys
+        .iter()
+        .map(|key| session.cache.get("trials", key))
+        .collect();
+    let groups = Group::of(trials, &results, &session.parameters)?;
+    let missing: u64 = groups.iter().map(|group| group.members.len() as u64).sum();
+    let task = session.board.task(label, missing);
+    let output = Output::new(&session.cache, &keys, &task);
+    let (noisy, plain): (Vec<_>, Vec<_>) =
+        groups.into_iter().partition(|group| group.noise.is_some());
+    let mut finished = plain::run(session, &plain, &output)?;
+    finished.extend(noise_sweep::run(session, noisy, &output)?);
+    task.finish();
+    for (index, result) in finished {
+        results[index] = Some(result);
+    }
+    results
+        .into_iter()
+        .map(|result| result.context("a trial has no result"))
+        .collect()
+}
+
+/// Key of a trial: everything that determines its result.
+fn key_of(session: &Session, trial: &Trial) -> Result<String> {
+    let recordings = &session.recordings;
+    let mut key = Key::new("trial");
+    key.numbers("version", &[f64::from(VERSION)]);
+    key.text("localizer", env!("LOCALIZER_FINGERPRINT"));
+    for path in ["mapping", "localization"] {
+        key.text(path, &recordings.key(&recordings.spec(path, trial.scheme))?);
+    }
+    if let Some(robot) = recordings.robot() {
+        key.value("robot", robot)?;
+    }
+    key.value("parameters", &trial.parameters)?;
+    key.value("trial", &trial.trial)?;
+    key.value("noise", &trial.noise)?;
+    Ok(key.finish())
+}

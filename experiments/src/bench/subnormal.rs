@@ -1,7 +1,7 @@
 //! Speed while the first wave front crosses a silent field, beside that of a field of normal numbers. Ahead of the
 //! front the field falls off through all magnitudes, and some processors take a hundred cycles for each operation on a
-//! subnormal number; quiet steps flush them ([`fdtd::field::flushes_subnormals`]). The third measurement leaves the quiet steps
-//! out.
+//! subnormal number; quiet steps flush them ([`fdtd::field::flushes_subnormals`]). The third measurement leaves the
+//! quiet steps out.
 
 use anyhow::Result;
 use fdtd::field::{FastField, Field, StepForcing, flushes_subnormals};

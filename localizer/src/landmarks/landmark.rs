@@ -58,7 +58,8 @@ impl Shape {
     /// The echo that a moving robot hears at a pose.
     ///
     /// Sound that arrives now was sent 2 r/c ago. Half its path is the range from where the robot was in the middle
-    /// of that time, r/c ago, to first order in v/c (a robot's is 0.001); so is its Doppler shift. Derivatives are those at rest: they differ by parts of v/c.
+    /// of that time, r/c ago, to first order in v/c (a robot's is 0.001); so is its Doppler shift. Derivatives are
+    /// those at rest: they differ by parts of v/c.
     pub fn echo(&self, pose: &Pose, motion: &Motion) -> Prediction {
         let way_s = self.predict(pose).range_m / motion.c_mps;
         let earlier = advance(pose, motion.odometry, -way_s, Integration::Midpoint);

@@ -140,13 +140,11 @@ impl Hypothesis {
 
     /// The robot's motion during a block, less the errors of its wheels.
     fn motion(&self, seen: &Seen<'_>, map: &LandmarkMap) -> Motion {
-        Motion {
-            odometry: Odometry {
-                v_mps: seen.odometry.v_mps * (1.0 + self.state[4]),
-                omega_radps: seen.odometry.omega_radps + self.state[3],
-            },
-            c_mps: map.parameters.signal.speed_of_sound_mps * (1.0 + self.state[5]),
-        }
+        let odometry = Odometry {
+            v_mps: seen.odometry.v_mps * (1.0 + self.state[4]),
+            omega_radps: seen.odometry.omega_radps + self.state[3],
+        };
+        Motion::new(odometry, &map.parameters.signal)
     }
 
     /// Covariance of the pose.

@@ -7,8 +7,9 @@ use crate::error::Error;
 use crate::filter::tracker::{Estimate, Tracker};
 use crate::image::map_image::MapImage;
 use crate::odometry::Odometry;
-use crate::parameters::{DirectWave, Parameters};
+use crate::parameters::Parameters;
 use crate::pose::Pose;
+use crate::signal::direct_wave;
 
 /// Follows a robot in a known map, period by period.
 ///
@@ -59,16 +60,7 @@ impl Localizer {
     ) -> Result<Self, Error> {
         let bank = DopplerBank::new(parameters)?;
         map.check(parameters)?;
-        if parameters.measurement.direct_wave == DirectWave::FreeField {
-            let remedy =
-                "subtract the free field from the samples and choose keep, or choose running-mean";
-            return Err(Error::invalid(
-                "parameters",
-                "direct_wave",
-                "free-field cannot stream",
-                remedy,
-            ));
-        }
+        direct_wave::check_streaming(parameters)?;
         Ok(Self {
             buffer: BlockBuffer::new(parameters),
             scratch: bank.scratch(),

@@ -2,11 +2,14 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::ValueEnum;
+use localizer::landmarks::{LandmarkMap, Start};
+use localizer::pose::wrap_angle;
 use localizer::{MapImage, Method, Pose, Recording, echo, offline};
 
 use super::arguments::ParameterArguments;
+use super::landmarks;
 use super::output::{print, print_json};
 use crate::metrics::{mean, quantile, rounded};
 use crate::run::progress::Board;
@@ -20,14 +23,18 @@ enum MethodArgument {
     ToaOnly,
     /// Wheel odometry alone.
     Odometry,
+    /// Peaks of the echoes among the landmarks of `map --method landmarks`.
+    Landmarks,
 }
 
-impl From<MethodArgument> for Method {
-    fn from(argument: MethodArgument) -> Self {
-        match argument {
-            MethodArgument::Doppler => Self::Doppler,
-            MethodArgument::ToaOnly => Self::ToaOnly,
-            MethodArgument::Odometry => Self::Odometry,
+impl MethodArgument {
+    /// The method among echo images; none for landmarks.
+    fn of_images(self) -> Option<Method> {
+        match self {
+            Self::Doppler => Some(Method::Doppler),
+            Self::ToaOnly => Some(Method::ToaOnly),
+            Self::Odometry => Some(Method::Odometry),
+            Self::Landmarks => None,
         }
     }
 }
@@ -35,9 +42,11 @@ impl From<MethodArgument> for Method {
 /// Arguments of `localize`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  echolot localize recordings/drive --map maps/room -o drive.tum --seed 1\n\n\
-    With truth.tum in the recording the mean absolute error is printed. The start is the truth at time 0, the start of \
-    recording.json, or the origin."
+    after_help = "Example:\n  echolot localize recordings/drive --map maps/room -o drive.tum --seed 1\n  \
+    echolot localize recordings/drive --map maps/room -o drive.tum --method landmarks --start unknown\n\n\
+    With truth.tum in the recording the mean absolute error is printed. Unless given, the start is the truth at time \
+    0, the start of recording.json, or the origin. By landmarks a table with covariance and status is written beside \
+    EST.tum."
 )]
 pub(crate) struct Arguments {
     /// Recording folder.
@@ -63,21 +72,99 @@ pub(crate) struct Arguments {
     /// Seed of the filter's random numbers.
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Start of the drive: x and y in metres and the heading in degrees, or unknown (landmarks only).
+    #[arg(long, value_name = "X,Y,DEG|unknown", allow_hyphen_values = true, value_parser = start)]
+    start: Option<StartArgument>,
     #[command(flatten)]
     parameters: ParameterArguments,
 }
 
+/// Start of a drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum StartArgument {
+    Pose(Pose),
+    Unknown,
+}
+
+/// Reads `X,Y,DEG` or `unknown`.
+fn start(text: &str) -> Result<StartArgument, String> {
+    if text == "unknown" {
+        return Ok(StartArgument::Unknown);
+    }
+    let numbers: Vec<f64> = text
+        .split(',')
+        .filter_map(|part| part.trim().parse().ok())
+        .collect();
+    match numbers[..] {
+        [x_m, y_m, degrees]
+            if text.split(',').count() == 3 && numbers.iter().all(|x| x.abs() <= FARTHEST) =>
+        {
+            Ok(StartArgument::Pose(Pose {
+                x_m,
+                y_m,
+                heading_rad: wrap_angle(degrees.to_radians()),
+            }))
+        }
+        _ => Err("give three numbers as in 1.5,2,90, or unknown".into()),
+    }
+}
+
+/// Largest number of a start.
+const FARTHEST: f64 = 1e5;
+
 impl Arguments {
+    /// Localizes among landmarks.
+    fn among_landmarks(&self, recording: &Recording, json: bool) -> Result<()> {
+        for (option, given) in [
+            ("--window", self.window.is_some()),
+            ("--particles", self.particles.is_some()),
+        ] {
+            if given {
+                bail!("{option}: is for echo images; leave it out with --method landmarks");
+            }
+        }
+        let map = LandmarkMap::read(&self.map)?;
+        let mut parameters = match self.parameters.parameters {
+            Some(_) => self.parameters.read()?,
+            None => map.parameters.clone(),
+        }
+        .for_recording(&recording.meta);
+        parameters.measurement.periods = self.periods.unwrap_or(parameters.measurement.periods);
+        parameters.check()?;
+        let [sigma_m, sigma_rad] = landmarks::START_SIGMA;
+        let known = |pose| Start::Known {
+            pose,
+            sigma_m,
+            sigma_rad,
+        };
+        let start = match self.start {
+            Some(StartArgument::Unknown) => Start::Unknown,
+            Some(StartArgument::Pose(pose)) => known(pose),
+            None => known(recording.start_pose()),
+        };
+        landmarks::localize(recording, &map, &parameters, &start, &self.output, json)
+    }
+
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         let recording = Recording::read(&self.recording)?;
+        let Some(method) = self.method.of_images() else {
+            return self.among_landmarks(&recording, json);
+        };
+        let start = match self.start {
+            Some(StartArgument::Unknown) => {
+                bail!("--start unknown: needs --method landmarks; give X,Y,DEG")
+            }
+            Some(StartArgument::Pose(pose)) => pose,
+            None => recording.start_pose(),
+        };
         let map = MapImage::read(&self.map)?;
         let mut parameters = match self.parameters.parameters {
             Some(_) => self.parameters.read()?,
             None => map.parameters.clone(),
         }
         .for_recording(&recording.meta);
-        parameters.filter.method = self.method.into();
+        parameters.filter.method = method;
         parameters.measurement.periods = self.periods.unwrap_or(parameters.measurement.periods);
         parameters.filter.window_half_width_m =
             self.window.unwrap_or(parameters.filter.window_half_width_m);
@@ -86,13 +173,7 @@ impl Arguments {
         let task = Board::new().task("localize", 2);
         let sequence = echo::measure(&recording, &parameters)?;
         task.set(1);
-        let estimates = offline::localize(
-            &sequence,
-            &map,
-            &parameters,
-            recording.start_pose(),
-            self.seed,
-        )?;
+        let estimates = offline::localize(&sequence, &map, &parameters, start, self.seed)?;
         task.finish();
         offline::trajectory(&estimates).write_tum(&self.output)?;
         let errors: Option<Vec<f64>> = recording.truth.as_ref().map(|truth| {

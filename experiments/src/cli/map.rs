@@ -3,18 +3,29 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
+use clap::ValueEnum;
 use localizer::image::map_image;
-use localizer::{EchoSequence, Pose, Recording, echo};
+use localizer::{EchoSequence, Pose, Recording, echo, landmarks};
 
 use super::arguments::ParameterArguments;
 use super::output::print_json;
 use crate::run::interrupt;
 use crate::run::progress::Board;
 
+/// Kind of map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MethodArgument {
+    /// Echo images added up on a grid (the papers' map).
+    Images,
+    /// Walls and corners learnt from the peaks of the echoes.
+    Landmarks,
+}
+
 /// Arguments of `map`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  echolot map recordings/mapping -o maps/room\n\n\
+    after_help = "Example:\n  echolot map recordings/mapping -o maps/room\n  \
+    echolot map recordings/mapping --method landmarks -o maps/room\n\n\
     A recording is a folder with signal.wav, odometry.csv, recording.json and, for a map, truth.tum."
 )]
 pub(crate) struct Arguments {
@@ -24,7 +35,10 @@ pub(crate) struct Arguments {
     /// Folder of the map.
     #[arg(short, long, value_name = "MAP")]
     output: PathBuf,
-    /// Periods M in a block.
+    /// What the map is made of.
+    #[arg(long, value_enum, default_value_t = MethodArgument::Images)]
+    method: MethodArgument,
+    /// Periods M in a block; 2 for landmarks, else 6 unless given.
     #[arg(long, value_name = "M")]
     periods: Option<usize>,
     #[command(flatten)]
@@ -35,7 +49,11 @@ impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         let mut parameters = self.parameters.read()?;
-        parameters.measurement.periods = self.periods.unwrap_or(parameters.measurement.periods);
+        let usual = match (self.method, &self.parameters.parameters) {
+            (MethodArgument::Landmarks, None) => landmarks::PERIODS,
+            _ => parameters.measurement.periods,
+        };
+        parameters.measurement.periods = self.periods.unwrap_or(usual);
         let board = Board::new();
         let task = board.task("map", self.recordings.len() as u64);
         let mut drives: Vec<(EchoSequence, Vec<Pose>)> = Vec::new();
@@ -52,6 +70,9 @@ impl Arguments {
             let poses = sequence.poses(truth);
             drives.push((sequence, poses));
             task.set(index as u64 + 1);
+        }
+        if self.method == MethodArgument::Landmarks {
+            return super::landmarks::map(&drives, &self.output, json);
         }
         let parts: Vec<(&EchoSequence, &[Pose])> = drives
             .iter()

@@ -4,6 +4,7 @@ mod arguments;
 mod bench;
 mod check;
 mod figures;
+mod landmarks;
 mod list;
 mod localize;
 mod map;

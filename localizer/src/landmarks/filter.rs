@@ -69,6 +69,9 @@ const BAD_BLOCKS: usize = 15;
 /// Blocks after which a search that found no pose begins anew.
 const SEARCH_BLOCKS: usize = 40;
 
+/// Blocks after the first search at which its outcome is held against another one.
+const CHECK_BLOCKS: [usize; 3] = [25, 50, 75];
+
 /// Hypotheses that compete with each other, and how well the best one fits.
 #[derive(Debug, Clone, Default)]
 struct Track {
@@ -151,7 +154,7 @@ impl Track {
     /// Drops and joins hypotheses, the best one first.
     fn thin(&mut self) {
         self.hypotheses
-            .sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight));
+            .sort_unstable_by(|a, b| b.log_weight.total_cmp(&a.log_weight));
         let Some(most) = self.hypotheses.first().map(|best| best.log_weight) else {
             return;
         };
@@ -184,6 +187,9 @@ pub struct LandmarkFilter {
     challenger: Option<Track>,
     status: Status,
     searching: bool,
+    /// Blocks until a pose that a search found is held against another search: symmetric places have copies.
+    checks: &'static [usize],
+    since_start: usize,
 }
 
 impl LandmarkFilter {
@@ -211,6 +217,11 @@ impl LandmarkFilter {
             main: Track::of(hypotheses),
             challenger: None,
             status,
+            checks: match start {
+                Start::Known { .. } => &[],
+                Start::Unknown => &CHECK_BLOCKS,
+            },
+            since_start: 0,
         }
     }
 
@@ -263,15 +274,16 @@ impl LandmarkFilter {
 
     fn judge(&mut self) {
         if let Some(challenger) = &self.challenger {
-            let wins = challenger.good >= GOOD_BLOCKS
-                && challenger.score > self.main.score + SURE_LOG_ODDS;
-            if wins && let Some(challenger) = self.challenger.take() {
-                self.main = challenger;
+            let lead = challenger.score - self.main.score;
+            if challenger.good >= GOOD_BLOCKS && lead > SURE_LOG_ODDS {
+                let found = self.challenger.take();
+                self.main = found.unwrap_or_default();
+            } else if self.main.good >= GOOD_BLOCKS && challenger.blocks >= SEARCH_BLOCKS / 2 {
+                self.challenger = None;
             }
         }
         if self.main.good >= GOOD_BLOCKS {
             self.status = Status::Sure;
-            self.challenger = None;
         } else if self.main.bad >= BAD_BLOCKS {
             self.status = Status::Lost;
         } else if self.status == Status::Sure && !self.main.is_single() {
@@ -280,7 +292,15 @@ impl LandmarkFilter {
         let tried = self.challenger.as_ref().map(|challenger| challenger.blocks);
         let lost =
             self.status == Status::Lost && tried.is_none_or(|blocks| blocks >= SEARCH_BLOCKS);
-        self.searching = lost || self.main.hypotheses.is_empty();
+        self.since_start += usize::from(!self.main.hypotheses.is_empty());
+        let due = self
+            .checks
+            .first()
+            .is_some_and(|&blocks| self.since_start >= blocks);
+        if due {
+            self.checks = &self.checks[1..];
+        }
+        self.searching |= lost || due || self.main.hypotheses.is_empty();
     }
 
     /// Looks for poses anywhere in the map that explain the block, and makes hypotheses of the best.

@@ -9,6 +9,7 @@ use super::landmark::Motion;
 use super::map::LandmarkMap;
 use super::peaks::{MOST_PEAKS, Peak};
 use crate::odometry::Odometry;
+use crate::parameters::SignalParameters;
 use crate::pose::{Pose, wrap_angle};
 
 /// Covariance of the state.
@@ -62,6 +63,8 @@ pub struct Seen<'a> {
     pub cosine_sigma: f64,
     /// Odometry during the block.
     pub odometry: Odometry,
+    /// Waveform, speed of sound and sensors of the drive.
+    pub signal: &'a SignalParameters,
 }
 
 /// Squared Mahalanobis distance up to which a peak may belong to a landmark.
@@ -72,6 +75,8 @@ const TAILS: f64 = 4.0;
 const WEIGHT_BLOCKS: f64 = 2.0;
 /// Part of a guess's blur that is left after a block.
 const BLUR_KEPT: f64 = 0.75;
+/// Blur in metres below which a guess has settled.
+const SETTLED_M: f64 = 1e-3;
 /// Peaks of no landmark to be expected, per metre of range and unit of cosine.
 const CLUTTER: f64 = 0.8;
 
@@ -139,12 +144,12 @@ impl Hypothesis {
     }
 
     /// The robot's motion during a block, less the errors of its wheels.
-    fn motion(&self, seen: &Seen<'_>, map: &LandmarkMap) -> Motion {
+    fn motion(&self, seen: &Seen<'_>) -> Motion {
         let odometry = Odometry {
             v_mps: seen.odometry.v_mps * (1.0 + self.state[4]),
             omega_radps: seen.odometry.omega_radps + self.state[3],
         };
-        Motion::new(odometry, &map.parameters.signal)
+        Motion::new(odometry, seen.signal)
     }
 
     /// Covariance of the pose.
@@ -247,7 +252,7 @@ impl Hypothesis {
         noise: &Noise,
         matches: &mut [Match; MOST_PEAKS],
     ) -> (usize, Fit) {
-        let (pose, motion) = (self.pose(), self.motion(seen, map));
+        let (pose, motion) = (self.pose(), self.motion(seen));
         let mut fit = Fit::default();
         let mut count = 0;
         let mut taken = [false; MOST_PEAKS];
@@ -310,8 +315,14 @@ impl Row {
         let entry = &map.landmarks[landmark];
         let echo = entry
             .shape
-            .echo(&hypothesis.pose(), &hypothesis.motion(seen, map));
+            .echo(&hypothesis.pose(), &hypothesis.motion(seen));
         let (speed, sound) = (hypothesis.state[4], hypothesis.state[5]);
+        // A guess says nothing of wheels and air before it has settled.
+        let settled = if hypothesis.blur_m < SETTLED_M {
+            1.0
+        } else {
+            0.0
+        };
         // Ranges are read with the set speed of sound, cosines also with the wheels' speed.
         let (stretch, slant) = (1.0 - sound, 1.0 + speed - sound);
         let [rx, ry, rt] = [0, 1, 2].map(|k| echo.range_by_pose[k] * stretch);
@@ -333,8 +344,15 @@ impl Row {
                 seen.cosine_sigma.powi(2),
             ],
             by_state: [
-                RowVector6::new(rx, ry, rt, 0.0, 0.0, -echo.range_m),
-                RowVector6::new(cx, cy, ct, 0.0, echo.cosine, -echo.cosine),
+                RowVector6::new(rx, ry, rt, 0.0, 0.0, -settled * echo.range_m),
+                RowVector6::new(
+                    cx,
+                    cy,
+                    ct,
+                    0.0,
+                    settled * echo.cosine,
+                    -settled * echo.cosine,
+                ),
             ],
         }
     }

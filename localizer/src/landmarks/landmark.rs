@@ -1,6 +1,7 @@
 //! Landmarks: what gives one echo each, as a function of the pose.
 
 use nalgebra::RowVector3;
+use serde::{Deserialize, Serialize};
 
 use crate::filter::motion_model::advance;
 use crate::odometry::Odometry;
@@ -12,7 +13,8 @@ use crate::pose::Pose;
 /// Loudspeaker and microphone are taken to be in one place. The image of the robot in a wall, and in a wall seen in
 /// another wall, gives the echo of a [`Shape::Wall`]; a reflector without extent and a closed right-angled corner,
 /// whose image moves as a point reflector's does, give that of a [`Shape::Point`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Shape {
     /// The line of all points q with `normal . q = distance`.
     Wall {
@@ -99,10 +101,13 @@ impl Shape {
         ];
         echo.range_by_pose[2] +=
             echo.range_by_pose[0] * turning[0] + echo.range_by_pose[1] * turning[1];
+        let [ahead_m, aside_m] = baseline_m;
+        // The loudspeaker was where the turn had not yet taken it.
+        let (toward, across) = (echo.cosine, echo.cosine_by_pose[2]);
+        echo.range_m -= 0.5 * odometry.omega_radps * way_s * (ahead_m * across - aside_m * toward);
         // The path to a wall and back spans the baseline's part along the wall, too.
         if let Self::Wall { normal_rad, .. } = *self {
             let (ny, nx) = normal_rad.sin_cos();
-            let [ahead_m, aside_m] = baseline_m;
             let along_m = ahead_m * (nx * sine - ny * cosine) + aside_m * (nx * cosine + ny * sine);
             if echo.range_m > 0.0 {
                 echo.range_m = echo.range_m.hypot(0.5 * along_m);

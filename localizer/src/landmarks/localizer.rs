@@ -5,11 +5,15 @@ use super::hypothesis::{Noise, Seen};
 use super::learn::cosine_sigma;
 use super::map::LandmarkMap;
 use super::peaks::{MOST_PEAKS, Peak, PeakFinder};
+use crate::echo::block_buffer::BlockBuffer;
+use crate::echo::doppler_bank::{DopplerBank, DopplerScratch};
 use crate::echo::{EchoBlock, EchoSequence};
+use crate::error::Error;
 use crate::filter::motion_model::advance;
 use crate::odometry::{Odometry, mean_over_periods};
 use crate::parameters::{Integration, Parameters};
 use crate::pose::Pose;
+use crate::signal::direct_wave;
 
 /// The result of one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +26,8 @@ pub struct Estimate {
     pub covariance: [[f64; 3]; 3],
     /// `pose` carried by the wheels, less their errors, to the end of the block: the newest sample.
     pub latest: Pose,
+    /// The instant of the newest sample in seconds.
+    pub latest_s: f64,
     /// How far to trust it.
     pub status: Status,
     /// Share of the expected echoes found lately.
@@ -89,6 +95,7 @@ impl LandmarkTracker {
                 peaks: &self.peaks,
                 cosine_sigma: cosine_sigma(&self.parameters, v_mps),
                 odometry: block.odometry,
+                signal: &self.parameters.signal,
             };
             self.filter.update(&seen, map);
         }
@@ -110,6 +117,7 @@ impl LandmarkTracker {
                 rest * self.parameters.period_s(),
                 Integration::Midpoint,
             ),
+            latest_s: block.t_s + rest * self.parameters.period_s(),
             status: self.filter.status(),
             fit: self.filter.fit(),
             hypotheses: self.filter.hypotheses().len(),
@@ -148,7 +156,106 @@ impl LandmarkTracker {
     }
 }
 
-/// Estimates the pose at every block of a drive whose echoes are measured.
+/// Follows a robot among landmarks, period by period.
+///
+/// ```
+/// use std::path::Path;
+///
+/// use localizer::landmarks::{self, LandmarkLocalizer, Noise, Start};
+/// use localizer::{Parameters, Recording, echo};
+///
+/// let mapping = Recording::read(Path::new("../examples/site_robot/mapping"))?;
+/// let mut parameters = Parameters::default().for_recording(&mapping.meta);
+/// parameters.measurement.periods = landmarks::PERIODS;
+/// let echoes = echo::measure(&mapping, &parameters)?;
+/// let truth = mapping.truth.as_ref().ok_or("no truth.tum")?;
+/// let map = landmarks::learn(&[(&echoes, &echoes.poses(truth))])?;
+///
+/// let drive = Recording::read(Path::new("../examples/site_robot/drive"))?;
+/// let mut localizer = LandmarkLocalizer::new(&parameters, map, &Start::Unknown, Noise::default())?;
+/// let period = parameters.samples_per_period();
+/// let odometry = drive.odometry_per_period(parameters.period_s(), 20);
+/// for (samples, &odometry) in drive.signal.chunks_exact(period).zip(&odometry) {
+///     if let Some(estimate) = localizer.step(samples, odometry)? {
+///         println!("{:.2} s: {:?}, {:?}", estimate.t_s, estimate.pose, estimate.status);
+///     }
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct LandmarkLocalizer {
+    parameters: Parameters,
+    map: LandmarkMap,
+    buffer: BlockBuffer,
+    bank: DopplerBank,
+    scratch: DopplerScratch,
+    block: EchoBlock,
+    tracker: LandmarkTracker,
+}
+
+impl LandmarkLocalizer {
+    /// A localizer in a map, which may have been learnt with other parameters.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for parameters that cannot be used, or `direct_wave` free-field, which cannot stream.
+    pub fn new(
+        parameters: &Parameters,
+        map: LandmarkMap,
+        start: &Start,
+        noise: Noise,
+    ) -> Result<Self, Error> {
+        let bank = DopplerBank::new(parameters)?;
+        direct_wave::check_streaming(parameters)?;
+        Ok(Self {
+            buffer: BlockBuffer::new(parameters),
+            scratch: bank.scratch(),
+            block: EchoBlock::empty(&bank),
+            tracker: LandmarkTracker::new(parameters, start, noise),
+            parameters: parameters.clone(),
+            bank,
+            map,
+        })
+    }
+
+    /// One step: takes in one period of samples and the mean odometry during it.
+    ///
+    /// Returns `None` until M periods have come in and, from an unknown start, until the robot moves.
+    ///
+    /// # Errors
+    /// As [`crate::Localizer::step`].
+    pub fn step(&mut self, samples: &[f32], odometry: Odometry) -> Result<Option<Estimate>, Error> {
+        // A block of the last M periods, one period later than the previous one.
+        self.buffer.push(samples, odometry)?;
+        let index = self.buffer.block_index();
+        let Some((received, recent)) = self.buffer.block() else {
+            return Ok(None);
+        };
+        let own = &recent[recent.len() - self.parameters.measurement.periods..];
+        self.block.set_motion(&self.parameters, index, own);
+        // H of every direction and delay, eqs. (1)-(3) of the paper.
+        self.bank.measure(
+            received,
+            self.block.odometry.v_mps,
+            &mut self.scratch,
+            &mut self.block.intensity,
+        );
+        // Its peaks, held against the landmarks.
+        Ok(self.tracker.update(&self.block, recent, &self.map))
+    }
+
+    /// The map.
+    pub fn map(&self) -> &LandmarkMap {
+        &self.map
+    }
+
+    /// The filter and the peaks behind the newest estimate.
+    pub fn tracker(&self) -> &LandmarkTracker {
+        &self.tracker
+    }
+}
+
+/// Estimates the pose at every block of a drive whose echoes are measured, with the result that
+/// [`LandmarkLocalizer::step`] gives for the same samples. The parameters are those of the echoes: the map may have
+/// been learnt with other periods, or by another robot.
 pub fn localize(
     echoes: &EchoSequence,
     map: &LandmarkMap,

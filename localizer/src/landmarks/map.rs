@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use serde::{Deserialize, Serialize};
+
 use super::landmark::Shape;
 use crate::parameters::Parameters;
 use crate::pose::Pose;
@@ -17,7 +19,8 @@ const PRIOR: [f64; 2] = [1.0, 0.1];
 
 /// From where a landmark was seen, and from where it was looked for in vain: counts of blocks over its aspect, which
 /// is the place along a wall or the direction from a point.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Visibility {
     /// Aspect at the start of the first bin: metres along a wall, or -pi around a point.
     pub start: f64,
@@ -109,7 +112,8 @@ impl Visibility {
 }
 
 /// One landmark of a map.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Landmark {
     /// What it is and where.
     pub shape: Shape,
@@ -134,6 +138,71 @@ pub struct LandmarkMap {
     pub area_m: [[f64; 2]; 2],
     /// Share of all peaks, while learning, that belong to a landmark.
     pub explained: f64,
+}
+
+impl Landmark {
+    /// The two ends of the stretch of a wall that was seen, `[x, y]` in metres; none for a point.
+    pub fn ends_m(&self) -> Option<[[f64; 2]; 2]> {
+        let Shape::Wall {
+            normal_rad,
+            distance_m,
+        } = self.shape
+        else {
+            return None;
+        };
+        let (ny, nx) = normal_rad.sin_cos();
+        let at = |along_m: f64| {
+            [
+                nx * distance_m - ny * along_m,
+                ny * distance_m + nx * along_m,
+            ]
+        };
+        self.visibility.extent().map(|extent| extent.map(at))
+    }
+
+    /// The middle of what was seen of it, `[x, y]` in metres.
+    pub fn middle_m(&self) -> Option<[f64; 2]> {
+        match self.shape {
+            Shape::Wall { .. } => {
+                let [one, other] = self.ends_m()?;
+                Some([0, 1].map(|axis| 0.5 * (one[axis] + other[axis])))
+            }
+            Shape::Point { place_m } => Some(place_m),
+        }
+    }
+}
+
+impl LandmarkMap {
+    /// Whether a landmark lies behind a wall, seen from the middle of the area in which the map was learnt: then it is
+    /// a mirror image of something in front of it.
+    pub fn is_image(&self, landmark: &Landmark) -> bool {
+        let Some(middle_m) = landmark.middle_m() else {
+            return false;
+        };
+        let from = self.area_m.map(|[low, high]| 0.5 * (low + high));
+        self.landmarks
+            .iter()
+            .filter(|other| *other != landmark)
+            .any(|wall| {
+                wall.ends_m().is_some_and(|ends| {
+                    // Not what touches it: walls meet in corners.
+                    let short =
+                        [0, 1].map(|axis| from[axis] + BEFORE * (middle_m[axis] - from[axis]));
+                    crosses([from, short], ends)
+                })
+            })
+    }
+}
+
+/// Part of the way to a landmark on which a wall hides it.
+const BEFORE: f64 = 0.95;
+
+/// Whether two stretches cross.
+fn crosses([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
+    let side = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
+        (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+    };
+    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
 #[cfg(test)]

@@ -17,5 +17,8 @@ pub use filter::{LandmarkFilter, Start, Status};
 pub use hypothesis::Noise;
 pub use landmark::Shape;
 pub use learn::learn;
-pub use localizer::{Estimate, LandmarkTracker, localize};
-pub use map::{Landmark, LandmarkMap};
+pub use localizer::{Estimate, LandmarkLocalizer, LandmarkTracker, localize};
+pub use map::{Landmark, LandmarkMap, Visibility};
+
+/// Periods M of a block for landmarks: enough to tell directions apart, and a pose that is hardly old.
+pub const PERIODS: usize = 2;

@@ -190,6 +190,20 @@ pub fn subtract_free_field(signal: &[f32], direct: Option<&[f32]>) -> Result<Vec
         .collect())
 }
 
+/// Refuses a removal of the direct wave that needs a second recording, and so cannot stream.
+pub(crate) fn check_streaming(parameters: &Parameters) -> Result<(), Error> {
+    if parameters.measurement.direct_wave != DirectWave::FreeField {
+        return Ok(());
+    }
+    let remedy = "subtract the free field from the samples and choose keep, or choose running-mean";
+    Err(Error::invalid(
+        "parameters",
+        "direct_wave",
+        "free-field cannot stream",
+        remedy,
+    ))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,204 @@
+//! `echolot map` and `echolot localize` by landmarks.
+
+use std::path::Path;
+
+use anyhow::{Result, bail};
+use localizer::landmarks::{self, Estimate, LandmarkMap, Noise, Start, Status};
+use localizer::{EchoSequence, Parameters, Pose, Recording, Trajectory, echo};
+
+use super::output::{print, print_json};
+use crate::data::atomic;
+use crate::metrics::{mean, quantile, rounded};
+use crate::run::progress::Board;
+
+/// Standard deviations of a start that truth or the user gives, in metres and radians.
+pub(super) const START_SIGMA: [f64; 2] = [0.01, 0.02];
+
+/// Learns the landmarks of drives with their poses and writes them into the folder of a map.
+pub(super) fn map(drives: &[(EchoSequence, Vec<Pose>)], output: &Path, json: bool) -> Result<()> {
+    let parts: Vec<(&EchoSequence, &[Pose])> = drives
+        .iter()
+        .map(|(sequence, poses)| (sequence, poses.as_slice()))
+        .collect();
+    let map = landmarks::learn(&parts)?;
+    map.write(output)?;
+    let walls = map
+        .landmarks
+        .iter()
+        .filter(|landmark| landmark.ends_m().is_some());
+    let (walls, all) = (walls.count(), map.landmarks.len());
+    if json {
+        return print_json(&serde_json::json!({
+            "map": output,
+            "landmarks": all,
+            "walls": walls,
+            "points": all - walls,
+            "explained": rounded(map.explained),
+        }));
+    }
+    eprintln!(
+        "wrote {} ({walls} walls, {} points; they explain {:.0} % of all peaks)",
+        output.display(),
+        all - walls,
+        100.0 * map.explained
+    );
+    Ok(())
+}
+
+/// Follows the robot of a recording among the landmarks of a map: writes the trajectory, and beside it a table with
+/// covariance and status.
+pub(super) fn localize(
+    recording: &Recording,
+    map: &LandmarkMap,
+    parameters: &Parameters,
+    start: &Start,
+    output: &Path,
+    json: bool,
+) -> Result<()> {
+    let task = Board::new().task("localize", 2);
+    let echoes = echo::measure(recording, parameters)?;
+    task.set(1);
+    let estimates = landmarks::localize(&echoes, map, start, Noise::default());
+    task.finish();
+    let Some(last) = estimates.last() else {
+        bail!("the robot does not move fast enough for a pose; record it driving");
+    };
+    let trajectory = Trajectory {
+        t_s: estimates.iter().map(|estimate| estimate.t_s).collect(),
+        poses: estimates.iter().map(|estimate| estimate.pose).collect(),
+    };
+    trajectory.write_tum(output)?;
+    let table = output.with_extension("csv");
+    atomic::write(&table, csv(&estimates).as_bytes())?;
+    let share = |status: Status| {
+        estimates
+            .iter()
+            .filter(|estimate| estimate.status == status)
+            .count() as f64
+            / estimates.len() as f64
+    };
+    let scores = recording
+        .truth
+        .as_ref()
+        .map(|truth| Scores::new(&estimates, truth));
+    let shares = [Status::Sure, Status::Converging, Status::Lost].map(share);
+    if json {
+        return print_json(&serde_json::json!({
+            "estimate": output,
+            "table": table,
+            "poses": estimates.len(),
+            "mae_m": scores.as_ref().map(|scores| rounded(scores.mae_m)),
+            "p90_m": scores.as_ref().map(|scores| rounded(scores.p90_m)),
+            "max_m": scores.as_ref().map(|scores| rounded(scores.max_m)),
+            "final_m": scores.as_ref().map(|scores| rounded(scores.final_m)),
+            "latest_mae_m": scores.as_ref().map(|scores| rounded(scores.latest_mae_m)),
+            "heading_mae_rad": scores.as_ref().map(|scores| rounded(scores.heading_mae_rad)),
+            "status": {"sure": rounded(shares[0]), "converging": rounded(shares[1]), "lost": rounded(shares[2])},
+            "fit": rounded(mean(&estimates.iter().map(|estimate| estimate.fit).collect::<Vec<_>>())),
+            "speed_of_sound_mps": rounded(last.speed_of_sound_mps),
+            "turn_rate_error_radps": rounded(last.turn_rate_error_radps),
+            "speed_error": rounded(last.speed_error),
+        }));
+    }
+    eprintln!(
+        "wrote {} and {} ({} poses)",
+        output.display(),
+        table.display(),
+        estimates.len()
+    );
+    let text = format!(
+        "sure {:.0} %, converging {:.0} %, lost {:.0} % of the drive; found {:.0} % of the expected echoes\n",
+        100.0 * shares[0],
+        100.0 * shares[1],
+        100.0 * shares[2],
+        100.0
+            * mean(
+                &estimates
+                    .iter()
+                    .map(|estimate| estimate.fit)
+                    .collect::<Vec<_>>()
+            ),
+    );
+    print(&text)?;
+    match scores {
+        Some(scores) => print(&format!(
+            "mean absolute position error {:.4} m\n",
+            scores.mae_m
+        ))?,
+        None => eprintln!("no truth.tum: no error to tell"),
+    }
+    if last.status == Status::Lost {
+        eprintln!("warning: lost at the end: the echoes do not fit the map there");
+    }
+    Ok(())
+}
+
+/// Errors of a drive.
+struct Scores {
+    mae_m: f64,
+    p90_m: f64,
+    max_m: f64,
+    final_m: f64,
+    latest_mae_m: f64,
+    heading_mae_rad: f64,
+}
+
+impl Scores {
+    fn new(estimates: &[Estimate], truth: &Trajectory) -> Self {
+        let at = |t_s: f64| truth.pose_at(t_s).unwrap_or_default();
+        let errors: Vec<f64> = estimates
+            .iter()
+            .map(|e| e.pose.distance_m(&at(e.t_s)))
+            .collect();
+        let latest: Vec<f64> = estimates
+            .iter()
+            .map(|e| e.latest.distance_m(&at(e.latest_s)))
+            .collect();
+        let turned = |e: &Estimate| {
+            localizer::pose::wrap_angle(e.pose.heading_rad - at(e.t_s).heading_rad).abs()
+        };
+        let headings: Vec<f64> = estimates.iter().map(turned).collect();
+        Self {
+            mae_m: mean(&errors),
+            p90_m: quantile(&errors, 0.9),
+            max_m: quantile(&errors, 1.0),
+            final_m: errors.last().copied().unwrap_or_default(),
+            latest_mae_m: mean(&latest),
+            heading_mae_rad: mean(&headings),
+        }
+    }
+}
+
+/// The estimates as a table.
+fn csv(estimates: &[Estimate]) -> String {
+    let mut text = String::from(
+        "t_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_mrad,yh_mrad,hh_rad2,status,fit,hypotheses,latest_s,latest_x_m,\
+         latest_y_m,latest_heading_rad,turn_rate_error_radps,speed_error,speed_of_sound_mps\n",
+    );
+    for e in estimates {
+        let [[xx, xy, xh], [_, yy, yh], [.., hh]] = e.covariance;
+        let status = match e.status {
+            Status::Sure => "sure",
+            Status::Converging => "converging",
+            Status::Lost => "lost",
+        };
+        text += &format!(
+            "{:.6},{:.6},{:.6},{:.6},{xx:.3e},{xy:.3e},{yy:.3e},{xh:.3e},{yh:.3e},{hh:.3e},{status},{:.3},{},{:.6},{:.6},\
+             {:.6},{:.6},{:.5},{:.5},{:.3}\n",
+            e.t_s,
+            e.pose.x_m,
+            e.pose.y_m,
+            e.pose.heading_rad,
+            e.fit,
+            e.hypotheses,
+            e.latest_s,
+            e.latest.x_m,
+            e.latest.y_m,
+            e.latest.heading_rad,
+            e.turn_rate_error_radps,
+            e.speed_error,
+            e.speed_of_sound_mps,
+        );
+    }
+    text
+}

@@ -7,5 +7,6 @@ mod end_to_end;
 mod example;
 mod figures;
 mod interruption;
+mod landmarks;
 mod room;
 mod snapshots;

@@ -385,3 +385,127 @@ impl LandmarkFilter {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::learn;
+    use super::super::simulated::{self, Drive};
+    use super::*;
+
+    /// A map learnt from a drive of its own.
+    fn map() -> LandmarkMap {
+        let drive = Drive::new(77, simulated::shapes());
+        let parameters = drive.parameters.clone();
+        let seen: Vec<_> = drive.take(390).map(|block| block.sighting).collect();
+        LandmarkMap {
+            parameters,
+            landmarks: learn::landmarks(&seen),
+            area_m: [[-1.0, 1.0], [-1.0, 1.0]],
+            explained: 0.5,
+        }
+    }
+
+    fn step(filter: &mut LandmarkFilter, block: &simulated::Block, map: &LandmarkMap) {
+        filter.predict(block.odometry, map.parameters.period_s());
+        filter.update(&block.seen(&map.parameters), map);
+    }
+
+    #[test]
+    fn errors_are_as_large_as_the_covariance_says_and_the_wheels_errors_are_found() {
+        let map = map();
+        let (mut nees, mut count, mut found) = (0.0, 0.0, 0.0);
+        for seed in 1..=40 {
+            let mut drive = Drive::new(seed, simulated::shapes());
+            drive.wheel_errors = [0.01, 0.01];
+            let start = Start::Known {
+                pose: drive.pose(),
+                sigma_m: 0.001,
+                sigma_rad: 0.002,
+            };
+            // Peaks are independent here, blocks do not overlap.
+            let noise = Noise {
+                alike_blocks: 1.0,
+                ..Noise::default()
+            };
+            let mut filter = LandmarkFilter::new(&start, noise);
+            for block in drive.by_ref().take(200) {
+                step(&mut filter, &block, &map);
+                let best = filter.best().expect("a known start");
+                let pose = best.pose();
+                let off = nalgebra::Vector3::new(
+                    pose.x_m - block.truth.x_m,
+                    pose.y_m - block.truth.y_m,
+                    wrap_angle(pose.heading_rad - block.truth.heading_rad),
+                );
+                let inverse = best.pose_covariance().try_inverse().expect("a covariance");
+                nees += (off.transpose() * inverse * off)[0] / 3.0;
+                count += 1.0;
+                assert!(off.xy().norm() < 0.01, "seed {seed}: {off:?}");
+            }
+            found += filter.best().map_or(0.0, |best| best.state[3]) / 40.0;
+        }
+        let nees = nees / count;
+        assert!((0.5..1.5).contains(&nees), "{nees}");
+        assert!(
+            (found + 0.01).abs() < 0.004,
+            "the wheels turn {found} rad/s too little"
+        );
+    }
+
+    #[test]
+    fn an_unknown_start_is_found_and_a_kidnapped_robot_again() {
+        let map = map();
+        let (mut found, mut again) = (0, 0);
+        for seed in 1..=10 {
+            let mut drive = Drive::new(seed, simulated::shapes());
+            let mut filter = LandmarkFilter::new(&Start::Unknown, Noise::default());
+            assert_eq!(filter.status(), Status::Converging);
+            let off = |filter: &LandmarkFilter, truth: &Pose| {
+                filter
+                    .best()
+                    .map_or(f64::INFINITY, |best| best.pose().distance_m(truth))
+            };
+            for block in drive.by_ref().take(100) {
+                step(&mut filter, &block, &map);
+            }
+            found +=
+                usize::from(off(&filter, &drive.pose()) < 0.05 && filter.status() == Status::Sure);
+            let [x_m, y_m] =
+                [0.8 - drive.pose().x_m, -0.7 - drive.pose().y_m].map(|to| to.clamp(-0.9, 0.9));
+            drive.kidnap(Pose {
+                x_m,
+                y_m,
+                heading_rad: wrap_angle(drive.pose().heading_rad + 2.0),
+            });
+            let mut lost = false;
+            for block in drive.by_ref().take(100) {
+                step(&mut filter, &block, &map);
+                lost |= filter.status() == Status::Lost;
+            }
+            assert!(lost, "seed {seed}: it says so");
+            again += usize::from(off(&filter, &drive.pose()) < 0.05);
+        }
+        assert!(found >= 9 && again >= 9, "{found} and {again} of 10");
+    }
+
+    #[test]
+    fn without_echoes_the_uncertainty_grows_and_nothing_is_sure_for_long() {
+        let map = map();
+        let start = Start::Known {
+            pose: Pose::default(),
+            sigma_m: 0.001,
+            sigma_rad: 0.002,
+        };
+        let mut filter = LandmarkFilter::new(&start, Noise::default());
+        let mut drive = Drive::new(5, Vec::new());
+        let mut sigma_m = 0.0;
+        for block in drive.by_ref().take(120) {
+            step(&mut filter, &block, &map);
+            sigma_m = filter
+                .best()
+                .map_or(0.0, |best| best.covariance[(0, 0)].sqrt());
+        }
+        assert!(sigma_m > 0.02, "{sigma_m}");
+        assert_ne!(filter.status(), Status::Sure);
+    }
+}

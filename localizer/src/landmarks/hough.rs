@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 
 use super::landmark::Shape;
-use super::learn::Sighting;
+use super::sighting::Sighting;
 
 /// Directions of normals that are told apart.
-pub const NORMALS: usize = 360;
+const NORMALS: usize = 360;
 /// Width of a bin of a wall's distance in metres.
 const DISTANCE_M: f64 = 0.02;
 /// Width of a cell of a point's place in metres.

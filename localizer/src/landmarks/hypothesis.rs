@@ -100,7 +100,8 @@ pub struct Hypothesis {
     pub covariance: Covariance,
     /// Logarithm of its weight.
     pub log_weight: f64,
-    /// Uncertainty of all ranges, in metres, beside their own: a guess must not settle on the first echoes that are near.
+    /// Uncertainty of all ranges, in metres, beside their own: a guess must not settle on the first echoes that are
+    /// near.
     pub blur_m: f64,
 }
 

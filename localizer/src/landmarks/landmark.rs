@@ -291,7 +291,8 @@ mod tests {
             let exact_m = half_path_m(&pose, &motion, 0.0);
             prop_assert!((echo.range_m - exact_m).abs() < 2e-4, "{} {exact_m}", echo.range_m);
             let step_s = 1e-3;
-            let rate_mps = (half_path_m(&pose, &motion, step_s) - half_path_m(&pose, &motion, -step_s)) / (2.0 * step_s);
+            let half_path = |t_s: f64| half_path_m(&pose, &motion, t_s);
+            let rate_mps = (half_path(step_s) - half_path(-step_s)) / (2.0 * step_s);
             // An approach at the whole speed has the cosine 1.
             prop_assert!((echo.cosine + rate_mps / v).abs() < 0.05, "{} {}", echo.cosine, -rate_mps / v);
         }

@@ -4,10 +4,11 @@
 //! heading. Votes of all blocks (Hough) single out the ones that stay in place. The best is refined by robust least
 //! squares on the ranges, its peaks are taken out, and so on.
 
-use super::hough::{self, Votes};
-use super::landmark::{Motion, Shape};
+use super::hough::Votes;
+use super::landmark::Shape;
 use super::map::{Landmark, LandmarkMap, Visibility};
-use super::peaks::{Peak, PeakFinder};
+use super::peaks::Peak;
+use super::sighting::{Sighting, sightings};
 use crate::echo::EchoSequence;
 use crate::error::Error;
 use crate::parameters::Parameters;
@@ -35,52 +36,6 @@ const LEAST_TIGHT: f64 = 0.75;
 const MOST_SIGMA: f64 = 0.03;
 /// Blocks over which residuals are alike, so that they count once.
 const ALIKE_BLOCKS: f64 = 4.0;
-
-/// The peaks of one block and the pose from which they were seen.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sighting {
-    /// The pose at the block's instant.
-    pub pose: Pose,
-    /// The robot's motion during the block.
-    pub motion: Motion,
-    /// Standard deviation of the peaks' cosines.
-    pub cosine_sigma: f64,
-    /// The peaks, strongest first.
-    pub peaks: Vec<Peak>,
-}
-
-/// The standard deviation of a peak's cosine as a part of the Doppler resolution c/(2 f_c M T v).
-const COSINE_SIGMA_WIDTHS: f64 = 0.3;
-
-/// Standard deviation of the cosine of a peak at a speed.
-pub fn cosine_sigma(parameters: &Parameters, v_mps: f64) -> f64 {
-    let block_s = parameters.measurement.periods as f64 * parameters.period_s();
-    let width = parameters.signal.speed_of_sound_mps
-        / (2.0 * parameters.signal.carrier_hz * block_s * v_mps.abs().max(1e-6));
-    (COSINE_SIGMA_WIDTHS * width).clamp(0.02, 1.0)
-}
-
-/// The peaks of every block in which the robot moved, at known poses (one a block).
-pub fn sightings(echoes: &EchoSequence, poses: &[Pose]) -> Vec<Sighting> {
-    let mut finder = PeakFinder::new(&echoes.parameters);
-    let moving = echoes
-        .blocks
-        .iter()
-        .zip(poses)
-        .filter(|(block, _)| !block.stationary);
-    moving
-        .map(|(block, &pose)| {
-            let mut peaks = Vec::new();
-            finder.find(block.intensity.view(), block.odometry.v_mps, &mut peaks);
-            Sighting {
-                pose,
-                motion: Motion::new(block.odometry, &echoes.parameters.signal),
-                cosine_sigma: cosine_sigma(&echoes.parameters, block.odometry.v_mps),
-                peaks,
-            }
-        })
-        .collect()
-}
 
 /// Learns the landmarks of a place from drives with known poses.
 ///
@@ -285,13 +240,13 @@ fn fit(mut shape: Shape, seen: &[Sighting], free: &[Vec<bool>], gates_m: &[f64])
             };
             let residual_m = sighting.peaks[number].range_m - echo.range_m;
             let weight = 1.0 / (1.0 + (residual_m / ROBUST_M).powi(2));
-            for row in 0..2 {
-                pull[row] += weight * echo.range_by_shape[row] * residual_m;
-                for column in 0..2 {
-                    information[row][column] +=
-                        weight * echo.range_by_shape[row] * echo.range_by_shape[column];
-                }
-            }
+            let [a, b] = echo.range_by_shape;
+            pull[0] += weight * a * residual_m;
+            pull[1] += weight * b * residual_m;
+            information[0][0] += weight * a * a;
+            information[0][1] += weight * a * b;
+            information[1][0] += weight * a * b;
+            information[1][1] += weight * b * b;
             squares += weight * residual_m * residual_m;
             weights += weight;
             tight += usize::from(residual_m.abs() <= TIGHT_M);
@@ -330,5 +285,107 @@ fn invert([[a, b], [c, d]]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
     })
 }
 
-#[doc(hidden)]
-pub use hough::NORMALS;
+#[cfg(test)]
+mod tests {
+    use super::super::simulated::{self, Drive};
+    use super::*;
+    use crate::pose::wrap_angle;
+
+    /// Distance of two shapes of the same kind, metres and radians mixed.
+    fn apart(one: &Shape, other: &Shape) -> f64 {
+        match (*one, *other) {
+            (
+                Shape::Wall {
+                    normal_rad: a,
+                    distance_m: b,
+                },
+                Shape::Wall {
+                    normal_rad: c,
+                    distance_m: d,
+                },
+            ) => wrap_angle(a - c).abs() + (b - d).abs(),
+            (Shape::Point { place_m: [a, b] }, Shape::Point { place_m: [c, d] }) => {
+                (a - c).hypot(b - d)
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
+    #[test]
+    fn known_walls_and_corners_are_learnt_to_millimetres_and_nothing_else() {
+        for seed in 1..=12 {
+            let shapes = simulated::shapes();
+            let drive = Drive::new(seed, shapes.clone());
+            let seen: Vec<Sighting> = drive.take(350).map(|block| block.sighting).collect();
+            let found = landmarks(&seen);
+            assert_eq!(found.len(), shapes.len(), "seed {seed}: {found:?}");
+            for shape in &shapes {
+                let nearest = found
+                    .iter()
+                    .map(|landmark| apart(&landmark.shape, shape))
+                    .fold(f64::INFINITY, f64::min);
+                assert!(
+                    nearest < 0.004,
+                    "seed {seed}: {shape:?} is off by {nearest}"
+                );
+            }
+            for landmark in &found {
+                assert!(landmark.range_sigma_m < 2.5 * simulated::RANGE_SIGMA_M);
+                assert!(
+                    landmark.blocks > 200,
+                    "seed {seed}: {} blocks",
+                    landmark.blocks
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn errors_of_what_is_learnt_are_as_large_as_their_covariance_says() {
+        let (mut squares, mut count) = (0.0, 0.0);
+        for seed in 1..=30 {
+            let shapes = simulated::shapes();
+            let drive = Drive::new(seed, shapes.clone());
+            let seen: Vec<Sighting> = drive.take(200).map(|block| block.sighting).collect();
+            for landmark in landmarks(&seen) {
+                let off = |shape: &&Shape| apart(&landmark.shape, shape) < 0.05;
+                let Some(shape) = shapes.iter().find(off) else {
+                    continue;
+                };
+                let difference = match (landmark.shape, *shape) {
+                    (
+                        Shape::Wall {
+                            normal_rad: a,
+                            distance_m: b,
+                        },
+                        Shape::Wall {
+                            normal_rad: c,
+                            distance_m: d,
+                        },
+                    ) => [wrap_angle(a - c), b - d],
+                    (Shape::Point { place_m: [a, b] }, Shape::Point { place_m: [c, d] }) => {
+                        [a - c, b - d]
+                    }
+                    _ => continue,
+                };
+                let inverse = invert(landmark.covariance).expect("a covariance");
+                for row in 0..2 {
+                    for column in 0..2 {
+                        squares += difference[row] * inverse[row][column] * difference[column];
+                    }
+                }
+                count += 2.0;
+            }
+        }
+        // Peaks are independent here; the covariance takes ALIKE_BLOCKS of them for one.
+        let ratio = squares / count * ALIKE_BLOCKS;
+        assert!((0.5..1.6).contains(&ratio), "{ratio} over {count}");
+    }
+
+    #[test]
+    fn clutter_alone_has_no_landmarks() {
+        let drive = Drive::new(3, Vec::new());
+        let seen: Vec<Sighting> = drive.take(300).map(|block| block.sighting).collect();
+        assert_eq!(landmarks(&seen), Vec::new());
+    }
+}

@@ -2,9 +2,9 @@
 
 use super::filter::{LandmarkFilter, Start, Status};
 use super::hypothesis::{Noise, Seen};
-use super::learn::cosine_sigma;
 use super::map::LandmarkMap;
 use super::peaks::{MOST_PEAKS, Peak, PeakFinder};
+use super::sighting::cosine_sigma;
 use crate::echo::block_buffer::BlockBuffer;
 use crate::echo::doppler_bank::{DopplerBank, DopplerScratch};
 use crate::echo::{EchoBlock, EchoSequence};

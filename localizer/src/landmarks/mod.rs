@@ -12,6 +12,9 @@ pub mod learn;
 pub mod localizer;
 pub mod map;
 pub mod peaks;
+pub mod sighting;
+#[cfg(test)]
+mod simulated;
 
 pub use filter::{LandmarkFilter, Start, Status};
 pub use hypothesis::Noise;

@@ -82,7 +82,7 @@ impl PeakFinder {
         }
         let middle = self.sorted.len() / 2;
         let (_, &mut median, _) = self.sorted.select_nth_unstable_by(middle, f32::total_cmp);
-        if !(median > 0.0) {
+        if median.is_nan() || median <= 0.0 {
             return;
         }
         self.candidates.clear();
@@ -188,4 +188,71 @@ fn parabola_top([a, b, c]: [(f64, f64); 3]) -> Option<f64> {
     let (ab, bc) = (slope(a, b), slope(b, c));
     let curvature = (bc - ab) / (c.0 - a.0);
     (curvature < 0.0).then(|| 0.5 * (a.0 + b.0 - ab / curvature))
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Array2;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::echo::DopplerBank;
+    use crate::parameters::MeasurementParameters;
+    use crate::signal::waveform::transmit_period;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+        /// The echo of one direction: the period, delayed and scaled in time about the block's centre.
+        #[test]
+        fn an_echo_is_read_between_the_samples(
+            range_m in 0.5..7.0_f64, cosine in -0.95..0.95_f64, v_mps in 0.2..0.4_f64, c in 330.0..350.0,
+        ) {
+            let mut parameters = Parameters {
+                measurement: MeasurementParameters { periods: 2, ..MeasurementParameters::default() },
+                ..Parameters::default()
+            };
+            parameters.signal.speed_of_sound_mps = c;
+            let period = transmit_period(&parameters.signal);
+            let bank = DopplerBank::new(&parameters).unwrap();
+            let length = bank.block_length();
+            let approach = v_mps * cosine;
+            let excess = 2.0 * approach / (c - approach);
+            let delay = 2.0 * range_m / c * parameters.signal.sample_rate_hz;
+            let tone = |at: f64| {
+                // The period between its samples, by a windowed sinc.
+                let base = at.floor();
+                (-24..=24_i32).map(|k| {
+                    let n = base + f64::from(k);
+                    let x = PI * (at - n);
+                    let sinc = if x.abs() < 1e-9 { 1.0 } else { x.sin() / x };
+                    let window = (0.5 * PI * (at - n) / 25.0).cos().powi(2);
+                    period[(n as i64).rem_euclid(period.len() as i64) as usize] * sinc * window
+                }).sum::<f64>()
+            };
+            let middle = 0.5 * length as f64;
+            let block: Vec<f32> = (0..length)
+                .map(|n| 0.1 * tone(middle - delay + (1.0 + excess) * (n as f64 - middle)) as f32)
+                .collect();
+            let mut intensity = bank.intensity();
+            bank.measure(&block, v_mps, &mut bank.scratch(), &mut intensity);
+            let mut peaks = Vec::new();
+            PeakFinder::new(&parameters).find(intensity.view(), v_mps, &mut peaks);
+            prop_assert!(!peaks.is_empty());
+            prop_assert!((peaks[0].range_m - range_m).abs() < 1.5e-3, "{} m", peaks[0].range_m - range_m);
+            prop_assert!((peaks[0].cosine - cosine).abs() < 0.05, "{}", peaks[0].cosine - cosine);
+            prop_assert!((peaks[0].amplitude - 0.1).abs() < 0.03, "{}", peaks[0].amplitude);
+        }
+    }
+
+    #[test]
+    fn nothing_and_noise_without_peaks_give_none() {
+        let parameters = Parameters::default();
+        let mut finder = PeakFinder::new(&parameters);
+        let mut peaks = vec![];
+        let shape = (parameters.measurement.directions + 1, parameters.delays());
+        for value in [0.0, 1.0, f32::NAN] {
+            finder.find(Array2::from_elem(shape, value).view(), 0.3, &mut peaks);
+            assert_eq!(peaks, []);
+        }
+    }
 }

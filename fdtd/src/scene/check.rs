@@ -132,11 +132,7 @@ impl Checker<'_> {
     fn waveform(&self) -> Result<(), Error> {
         let waveform = &self.scene.waveform;
         let (length, rate_hz) = (waveform.code_length, self.scene.sample_rate_hz);
-        let order = length
-            .checked_add(1)
-            .filter(|next| next.is_power_of_two())
-            .map_or(0, u32::ilog2);
-        if !(2..=20).contains(&order) {
+        if waveform.code_order().is_none() {
             let remedy = "give 2^n - 1 chips with n from 2 to 20, for example 1023".to_string();
             return self.refuse(
                 "waveform.code_length",

@@ -2,6 +2,7 @@
 
 mod check;
 mod clearance;
+mod code;
 mod file;
 mod locate;
 mod model;

@@ -203,7 +203,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// Surfaces of an impedance take their springs from what the scheme leaves below its stability limit.
+    /// Surfaces of an impedance need the scheme's margin below its stability limit.
     fn surfaces(&self) -> Result<(), Error> {
         let Scene {
             grid,
@@ -247,7 +247,7 @@ impl Checker<'_> {
         let reach = self.scene.scheme.radius();
         let layer_m = (layer_cells + reach) as f64 * grid.dx_m;
         let [width_m, height_m] = grid.size_m();
-        // A rim on the edge of what is allowed is inside; rounding must not decide.
+        // A rim on the limit is inside; rounding must not decide.
         let slack_m = 1e-9 * grid.dx_m;
         let open_air = |[x, y]: [f64; 2]| {
             (layer_m - slack_m..=width_m - layer_m + slack_m).contains(&x)

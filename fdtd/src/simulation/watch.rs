@@ -16,7 +16,7 @@ use crate::field::{FieldState, StepForcing};
 /// Steps between two looks: a tenth of a second on the papers' grid, in which a mode that grows by 75 1/s does so by 65
 /// dB.
 const STRIDE: u64 = 12_000;
-/// Pressure near the source over what one step adds.
+/// Pressure near the source over the increment of one step.
 const NEAR: f64 = 10.0;
 /// Energy in silence over that when it began.
 const GROWTH: f64 = 4.0;
@@ -46,7 +46,7 @@ pub(super) struct FieldView<'a> {
 }
 
 impl Watch {
-    /// Takes note of what the source adds.
+    /// Accounts for the source's contribution.
     pub(super) fn follow(&mut self, steps: &[StepForcing]) {
         let amplitudes = steps.iter().flat_map(|step| step.injections);
         let loudest = amplitudes.fold(0.0, |most, injection| injection.amplitude.abs().max(most));

@@ -25,7 +25,7 @@ use std::f64::consts::TAU;
 
 const SPEED_MPS: f64 = 4.0;
 const RAMP_S: f64 = 3e-3;
-/// Start and end of what is measured.
+/// Start and end of the measured part.
 const WINDOW_S: [f64; 2] = [6e-3, 16e-3];
 const SOURCE_M: [f64; 2] = [0.4012, 0.4 + 0.3 * Conditions::PAPERS.dx_m];
 const RECEIVER_M: [f64; 2] = [0.762, 0.783];

@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 /// Allowed relative errors of phase and group velocity against the dispersion relation.
 pub const TOLERANCES: [f64; 2] = [1e-4, 2e-4];
 
-/// A velocity: what the dispersion relation says, over the speed of sound, and what was measured over that, minus 1.
+/// A velocity by the dispersion relation over the speed of sound, and the measured one over that, minus 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Velocity {
     /// By the dispersion relation, over the speed of sound.

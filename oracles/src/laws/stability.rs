@@ -2,7 +2,7 @@
 //!
 //! Layout: a room of 16 cells between layers of 8 to 32: open, with one wall, a closed right-angled corner, a slanted
 //! wall in cut cells, or a slanted wall of an impedance; Courant numbers from 0.2 to the scheme's limit (with an
-//! impedance, to what a scene may have).
+//! impedance, to the limit of scenes).
 //! Formula: the step in `f64` with the weights as both engines have them in `f32` ([`PreciseField`]) starts from noise
 //! on a constant. The memory of the layers decays with the rate `alpha`. Slow modes in the corners of the layers and
 //! growing modes remain; the largest eigenvalue is that of the step on the space spanned by this state and its images

@@ -3,7 +3,7 @@
 //! Layout: 2 m x 1.6 m with much air around a slanted rigid wall, one of two branches and a robot between them at 0.4
 //! m/s for 60 ms; a code on a carrier of 10 kHz, up to 14 kHz; all schemes, whole and cut cells.
 //! Formula: absorbing layers stand for air without end wherever they begin, so that the domain around walls and drive
-//! gives what the scene's does.
+//! gives the signal of the scene's.
 //! Bias: the layers' reflection, nearer and at other angles (-66 to -85 dB of the echoes).
 //! Tolerance: the difference of the two signals below -60 dB of the echoes' rms. Threads, engine and interruptions, and
 //! everything outside a closed room with thick walls: none, bit for bit.

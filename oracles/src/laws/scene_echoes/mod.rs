@@ -143,7 +143,7 @@ pub fn places(depth: Depth) -> Result<Vec<Place>, Error> {
         for place_m in choose(candidates(&scene.walls), count, &mut compared) {
             found.push(place(&scene, is_whole, place_m)?);
         }
-        // The whole scene shows first what the pair along the grid could not, then everything.
+        // In the whole scene first the echoes that the pair along the grid lacks, then all.
         compared.values_mut().for_each(|times| *times = 1);
     }
     Ok(found)

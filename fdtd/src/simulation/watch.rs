@@ -1,12 +1,13 @@
 //! Stability watch of a run: a field that no source can have made ends it.
 //!
-//! The scheme is stable for every step that a scene may have (`docs/theory/stability.md`), so that this is for what
-//! nobody thought of: a defect of the solver, of the machine, or a domain put together by hand. Two things are looked
-//! at, some ten times in a second of sound, and what the microphone receives at every call of the observer. *Pressure*:
-//! of the source's strength `q` one step adds at most `A = rho c^2 dt |q| / (2 dx^2)` to a cell; near the source the
-//! pressure stays within a few times that, and where it meets nothing but rigid walls and a resonance, it grows by
-//! `4 rho c^2 / S` times the integral of `|q|` at most, `S` being the area of the air. *Energy*: while the source is
-//! silent it must not grow; it is the invariant of the leapfrog step, `|p' - p|^2 / 2 - p' . (p' - 2 p + p'') / 2`.
+//! The scheme is stable for every step that a scene may have (`docs/theory/stability.md`), so that the
+//! watch is for the unforeseen: a defect of the solver or of the machine, or a domain assembled by hand. Two quantities
+//! of the field are checked some ten times in a second of sound, and the microphone's samples at every call of the
+//! observer. *Pressure*: of the source's strength `q` one step adds at most `A = rho c^2 dt |q| / (2 dx^2)` to a cell;
+//! near the source the pressure stays within a few times that, and where it meets nothing but rigid walls and a
+//! resonance, it grows by `4 rho c^2 / S` times the integral of `|q|` at most, `S` being the area of the air. *Energy*:
+//! while the source is silent it must not grow; it is the invariant of the leapfrog step, `|p' - p|^2 / 2 - p' . (p' -
+//! 2 p + p'') / 2`.
 
 use super::domain::Domain;
 use super::segments::Window;

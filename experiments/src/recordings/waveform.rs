@@ -20,6 +20,9 @@ pub fn parameters_of(scene: &Scene, base: &Parameters) -> Parameters {
                 0.5 * (scene.robot.loudspeaker_offset_m[axis]
                     + scene.robot.microphone_offset_m[axis])
             }),
+            sensor_baseline_m: [0, 1].map(|axis| {
+                scene.robot.microphone_offset_m[axis] - scene.robot.loudspeaker_offset_m[axis]
+            }),
         },
         ..base.clone()
     }

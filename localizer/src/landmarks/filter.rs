@@ -42,6 +42,10 @@ const MOST_HYPOTHESES: usize = 1500;
 const SEARCH_STEP: [f64; 2] = [0.1, TAU / 72.0];
 /// Uncertainty of what the search finds, in metres and radians.
 const SEARCH_SIGMA: [f64; 2] = [0.05, 0.05];
+/// Uncertainty of the ranges that a guess begins with, in metres.
+const SEARCH_BLUR_M: f64 = 0.03;
+/// Standard deviation of the cosines from which on a block tells directions apart well enough for a search.
+const SEARCH_COSINE_SIGMA: f64 = 0.35;
 /// How far the search goes beyond the poses from which the map was learnt, in metres.
 const SEARCH_MARGIN_M: f64 = 0.4;
 /// Logarithm of the weight below the best one's at which a hypothesis ends.
@@ -240,7 +244,7 @@ impl LandmarkFilter {
 
     /// Takes in the peaks of a block.
     pub fn update(&mut self, seen: &Seen<'_>, map: &LandmarkMap) {
-        if self.searching {
+        if self.searching && seen.cosine_sigma < SEARCH_COSINE_SIGMA {
             let found = Track::of(self.search(seen, map));
             if self.main.hypotheses.is_empty() {
                 self.main = found;
@@ -274,8 +278,9 @@ impl LandmarkFilter {
             self.status = Status::Converging;
         }
         let tried = self.challenger.as_ref().map(|challenger| challenger.blocks);
-        self.searching =
+        let lost =
             self.status == Status::Lost && tried.is_none_or(|blocks| blocks >= SEARCH_BLOCKS);
+        self.searching = lost || self.main.hypotheses.is_empty();
     }
 
     /// Looks for poses anywhere in the map that explain the block, and makes hypotheses of the best.
@@ -350,7 +355,13 @@ impl LandmarkFilter {
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         found
             .into_iter()
-            .map(|(_, pose)| Hypothesis::new(&pose, SEARCH_SIGMA[0], SEARCH_SIGMA[1], &self.noise))
+            .map(|(_, pose)| {
+                let [sigma_m, sigma_rad] = SEARCH_SIGMA;
+                Hypothesis {
+                    blur_m: SEARCH_BLUR_M,
+                    ..Hypothesis::new(&pose, sigma_m, sigma_rad, &self.noise)
+                }
+            })
             .collect()
     }
 }

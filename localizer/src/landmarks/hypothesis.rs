@@ -68,6 +68,10 @@ pub struct Seen<'a> {
 const GATE: f64 = 16.0;
 /// Degrees of freedom of the residuals' heavy tails.
 const TAILS: f64 = 4.0;
+/// Times as many blocks count once in the weight of a hypothesis: what the map does not know makes errors that last.
+const WEIGHT_BLOCKS: f64 = 2.0;
+/// Part of a guess's blur that is left after a block.
+const BLUR_KEPT: f64 = 0.75;
 /// Peaks of no landmark to be expected, per metre of range and unit of cosine.
 const CLUTTER: f64 = 0.8;
 
@@ -91,6 +95,8 @@ pub struct Hypothesis {
     pub covariance: Covariance,
     /// Logarithm of its weight.
     pub log_weight: f64,
+    /// Uncertainty of all ranges, in metres, beside their own: a guess must not settle on the first echoes that are near.
+    pub blur_m: f64,
 }
 
 /// A peak and the landmark that it belongs to.
@@ -119,6 +125,7 @@ impl Hypothesis {
                 sigmas.map(|sigma| sigma * sigma),
             )),
             log_weight: 0.0,
+            blur_m: 0.0,
         }
     }
 
@@ -133,13 +140,11 @@ impl Hypothesis {
 
     /// The robot's motion during a block, less the errors of its wheels.
     fn motion(&self, seen: &Seen<'_>, map: &LandmarkMap) -> Motion {
-        Motion {
-            odometry: Odometry {
-                v_mps: seen.odometry.v_mps * (1.0 + self.state[4]),
-                omega_radps: seen.odometry.omega_radps + self.state[3],
-            },
-            c_mps: map.parameters.signal.speed_of_sound_mps * (1.0 + self.state[5]),
-        }
+        let odometry = Odometry {
+            v_mps: seen.odometry.v_mps * (1.0 + self.state[4]),
+            omega_radps: seen.odometry.omega_radps + self.state[3],
+        };
+        Motion::new(odometry, &map.parameters.signal)
     }
 
     /// Covariance of the pose.
@@ -229,7 +234,8 @@ impl Hypothesis {
             (self.state, self.covariance) = prior;
             return Fit::default();
         }
-        self.log_weight += fit.log_likelihood / noise.alike_blocks;
+        self.blur_m *= BLUR_KEPT;
+        self.log_weight += fit.log_likelihood / (WEIGHT_BLOCKS * noise.alike_blocks);
         fit
     }
 
@@ -320,7 +326,10 @@ impl Row {
                 peak.cosine - echo.cosine * slant,
             ],
             variances: [
-                entry.range_sigma_m.powi(2) + noise.range_m.powi(2) + of_landmark,
+                entry.range_sigma_m.powi(2)
+                    + noise.range_m.powi(2)
+                    + hypothesis.blur_m.powi(2)
+                    + of_landmark,
                 seen.cosine_sigma.powi(2),
             ],
             by_state: [

@@ -4,7 +4,7 @@ use nalgebra::RowVector3;
 
 use crate::filter::motion_model::advance;
 use crate::odometry::Odometry;
-use crate::parameters::Integration;
+use crate::parameters::{Integration, SignalParameters};
 use crate::pose::Pose;
 
 /// What an echo comes from, in the world frame.
@@ -45,24 +45,78 @@ pub struct Prediction {
     pub cosine_by_shape: [f64; 2],
 }
 
-/// How the robot moves while it hears an echo.
+/// How the robot moves while an echo arrives, and where it carries its loudspeaker and microphone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
     /// Speed and turn rate.
     pub odometry: Odometry,
     /// Speed of sound in m/s.
     pub c_mps: f64,
+    /// The middle between loudspeaker and microphone, `[forward, left]` of the robot's pose in metres.
+    pub middle_m: [f64; 2],
+    /// The microphone's place less the loudspeaker's, `[forward, left]` in metres.
+    pub baseline_m: [f64; 2],
 }
 
+impl Motion {
+    /// The motion in a block of a drive with these parameters.
+    pub fn new(odometry: Odometry, signal: &SignalParameters) -> Self {
+        Self {
+            odometry,
+            c_mps: signal.speed_of_sound_mps,
+            middle_m: signal.sensor_offset_m,
+            baseline_m: signal.sensor_baseline_m,
+        }
+    }
+}
+
+/// Speed in m/s below which a Doppler shift is not divided by it.
+const LEAST_SPEED_MPS: f64 = 1e-3;
+
 impl Shape {
-    /// The echo that a moving robot hears at a pose.
+    /// The echo that a moving robot receives at a pose; the range counts from the middle between its transducers.
     ///
     /// Sound that arrives now was sent 2 r/c ago. Half its path is the range from where the robot was in the middle
-    /// of that time, r/c ago, to first order in v/c (a robot's is 0.001); so is its Doppler shift. Derivatives are those at rest: they differ by parts of v/c.
+    /// of that time, r/c ago, to first order in v/c (a robot's is 0.001); so is its Doppler shift. A turn moves
+    /// transducers ahead of the axle sideways, which shifts the frequency of echoes from the side. Derivatives leave
+    /// out parts of the order of v/c and of the baseline over the range.
     pub fn echo(&self, pose: &Pose, motion: &Motion) -> Prediction {
-        let way_s = self.predict(pose).range_m / motion.c_mps;
-        let earlier = advance(pose, motion.odometry, -way_s, Integration::Midpoint);
-        self.predict(&earlier)
+        let Motion {
+            odometry,
+            c_mps,
+            middle_m: [forward_m, left_m],
+            baseline_m,
+        } = *motion;
+        let way_s = self.predict(&pose.carried(motion.middle_m)).range_m / c_mps;
+        let robot = advance(pose, odometry, -way_s, Integration::Midpoint);
+        let middle = robot.carried(motion.middle_m);
+        let mut echo = self.predict(&middle);
+        // The middle goes around the robot's pose as the heading turns.
+        let (sine, cosine) = robot.heading_rad.sin_cos();
+        let turning = [
+            -sine * forward_m - cosine * left_m,
+            cosine * forward_m - sine * left_m,
+        ];
+        echo.range_by_pose[2] +=
+            echo.range_by_pose[0] * turning[0] + echo.range_by_pose[1] * turning[1];
+        // The path to a wall and back spans the baseline's part along the wall, too.
+        if let Self::Wall { normal_rad, .. } = *self {
+            let (ny, nx) = normal_rad.sin_cos();
+            let [ahead_m, aside_m] = baseline_m;
+            let along_m = ahead_m * (nx * sine - ny * cosine) + aside_m * (nx * cosine + ny * sine);
+            if echo.range_m > 0.0 {
+                echo.range_m = echo.range_m.hypot(0.5 * along_m);
+            }
+        }
+        let v_mps = odometry.v_mps;
+        if v_mps.abs() > LEAST_SPEED_MPS {
+            let toward = (v_mps - odometry.omega_radps * left_m) / v_mps;
+            let aside = odometry.omega_radps * forward_m / v_mps;
+            let [here, across] = [echo.cosine, echo.cosine_by_pose[2]];
+            echo.cosine = toward * here + aside * across;
+            echo.cosine_by_pose[2] = toward * across - aside * here;
+        }
+        echo
     }
 
     /// Range and bearing of the echo for a robot at rest at a pose, with all derivatives.
@@ -194,38 +248,48 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_straight_drive_at_a_wall_measures_half_the_path_of_its_sound() {
-        // The wall x = 5, approached at 20 m/s: sound sent at x1 arrives at x = 1 a time (5 - x1 + 5 - 1)/c later.
-        let wall = Shape::Wall {
-            normal_rad: 0.0,
-            distance_m: 5.0,
+    /// Half the path of sound that is sent by the loudspeaker and arrives at the microphone at the time 0, and the
+    /// rate at which it grows, by the mirror image in the wall x = 0 and a search for the time of sending.
+    fn half_path_m(pose: &Pose, motion: &Motion, t_s: f64) -> f64 {
+        let at = |t_s: f64, sign: f64| {
+            let robot = advance(pose, motion.odometry, t_s, Integration::Midpoint);
+            let place = [0, 1].map(|k| motion.middle_m[k] + 0.5 * sign * motion.baseline_m[k]);
+            robot.carried(place)
         };
-        let (v_mps, c_mps) = (20.0_f64, 340.0_f64);
-        let path_m: f64 = 2.0 * 4.0 / (1.0 - v_mps / c_mps);
-        assert!((path_m - (4.0 + v_mps * path_m / c_mps) - 4.0).abs() < 1e-12);
-        let motion = Motion {
-            odometry: Odometry {
-                v_mps,
-                omega_radps: 0.0,
-            },
-            c_mps,
+        let microphone = at(t_s, 1.0);
+        let path_m = |sent_s: f64| {
+            let loudspeaker = at(sent_s, -1.0);
+            (microphone.x_m + loudspeaker.x_m).hypot(microphone.y_m - loudspeaker.y_m)
         };
-        let pose = Pose {
-            x_m: 1.0,
-            ..Pose::default()
-        };
-        let mut echo = wall.echo(&pose, &motion);
-        // First order in v/c, which is 0.06 here and 0.001 for a robot.
-        assert!((echo.range_m - 0.5 * path_m).abs() < 4.0 * (v_mps / c_mps).powi(2));
-        echo = wall.echo(
-            &pose,
-            &Motion {
-                c_mps: 3e5,
-                ..motion
-            },
-        );
-        assert!((echo.range_m - 4.0 / (1.0 - v_mps / 3e5)).abs() < 1e-7);
+        let mut sent_s = t_s;
+        for _ in 0..50 {
+            sent_s = t_s - path_m(sent_s) / motion.c_mps;
+        }
+        0.5 * path_m(sent_s)
+    }
+
+    proptest! {
+        #[test]
+        fn half_the_path_and_its_rate_are_those_of_the_mirrored_loudspeaker(
+            x in -4.0..-0.5, y in -1.0..1.0, heading in -3.0..3.0, v in 0.1..0.5, omega in -0.8..0.8,
+            forward in -0.2..0.2, left in -0.2..0.2, ahead in -0.2..0.2, c in 330.0..350.0,
+        ) {
+            let pose = Pose { x_m: x, y_m: y, heading_rad: heading };
+            let motion = Motion {
+                odometry: Odometry { v_mps: v, omega_radps: omega },
+                c_mps: c,
+                middle_m: [forward, left],
+                baseline_m: [ahead, 0.0],
+            };
+            let wall = Shape::Wall { normal_rad: 0.0, distance_m: 0.0 };
+            let echo = wall.echo(&pose, &motion);
+            let exact_m = half_path_m(&pose, &motion, 0.0);
+            prop_assert!((echo.range_m - exact_m).abs() < 2e-4, "{} {exact_m}", echo.range_m);
+            let step_s = 1e-3;
+            let rate_mps = (half_path_m(&pose, &motion, step_s) - half_path_m(&pose, &motion, -step_s)) / (2.0 * step_s);
+            // An approach at the whole speed has the cosine 1.
+            prop_assert!((echo.cosine + rate_mps / v).abs() < 0.05, "{} {}", echo.cosine, -rate_mps / v);
+        }
     }
 
     #[test]

@@ -74,10 +74,7 @@ pub fn sightings(echoes: &EchoSequence, poses: &[Pose]) -> Vec<Sighting> {
             finder.find(block.intensity.view(), block.odometry.v_mps, &mut peaks);
             Sighting {
                 pose,
-                motion: Motion {
-                    odometry: block.odometry,
-                    c_mps: echoes.parameters.signal.speed_of_sound_mps,
-                },
+                motion: Motion::new(block.odometry, &echoes.parameters.signal),
                 cosine_sigma: cosine_sigma(&echoes.parameters, block.odometry.v_mps),
                 peaks,
             }

@@ -13,8 +13,8 @@ pub struct Peak {
     pub range_m: f64,
     /// Cosine of the angle between the heading and the echo's direction.
     pub cosine: f64,
-    /// Its height over the block's median.
-    pub strength: f64,
+    /// Value of H: 1 for an echo of the amplitude that was sent.
+    pub amplitude: f64,
 }
 
 /// Peaks of one block, at most this many.
@@ -23,6 +23,10 @@ pub const MOST_PEAKS: usize = 14;
 const LEAST_STRENGTH: f32 = 4.0;
 /// A peak is the largest of H within so many directions and samples to both sides.
 const REACH: [usize; 2] = [2, 4];
+/// Least part of the strongest peaks lately: what is weaker is no echo but what correlation and direct wave leave.
+const LEAST_PART: f32 = 0.06;
+/// Blocks over which the strongest peak is remembered.
+const MEMORY_BLOCKS: f32 = 100.0;
 /// Every so many-th value is looked at for the median.
 const MEDIAN_STRIDE: usize = 7;
 /// Part of a peak's height below which another one at the same delay is its side lobe in direction.
@@ -38,6 +42,8 @@ pub struct PeakFinder {
     first_delay: usize,
     /// Width of the Doppler resolution in cosine at 1 m/s.
     width_mps: f64,
+    /// Height of the strongest peaks lately.
+    strongest: f32,
     sorted: Vec<f32>,
     candidates: Vec<(f32, usize, usize)>,
 }
@@ -55,12 +61,15 @@ impl PeakFinder {
             metres_per_sample: signal.range_of_delay_m(1.0),
             first_delay: signal.delay_of_range(parameters.measurement.min_range_m),
             width_mps: signal.speed_of_sound_mps / (2.0 * signal.carrier_hz * block_s),
+            strongest: 0.0,
             sorted: Vec::with_capacity((directions + 1) * parameters.delays() / MEDIAN_STRIDE + 1),
             candidates: Vec::with_capacity(1024),
         }
     }
 
     /// The peaks of H, `[direction, delay]` as measured by the bank at the speed `v_mps`, strongest first.
+    ///
+    /// Blocks of a drive must be given in their order: how weak an echo may be follows from the strongest ones lately.
     pub fn find(&mut self, intensity: ArrayView2<'_, f32>, v_mps: f64, peaks: &mut Vec<Peak>) {
         peaks.clear();
         let Some(values) = intensity.as_slice() else {
@@ -103,11 +112,16 @@ impl PeakFinder {
         }
         self.candidates
             .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
+        let first = self.candidates.first().map_or(0.0, |candidate| candidate.0);
+        self.strongest = first.max(self.strongest * (1.0 - 1.0 / MEMORY_BLOCKS));
         for index in 0..self.candidates.len() {
             if peaks.len() == MOST_PEAKS {
                 break;
             }
             let (value, row, delay) = self.candidates[index];
+            if value < LEAST_PART * self.strongest {
+                break;
+            }
             let in_side_lobe = self.candidates[..index]
                 .iter()
                 .any(|&(stronger, _, other)| {
@@ -121,7 +135,7 @@ impl PeakFinder {
             peaks.push(Peak {
                 range_m: self.metres_per_sample * (delay as f64 + shift),
                 cosine: self.cosine(intensity, row, delay, v_mps),
-                strength: f64::from(value / median),
+                amplitude: f64::from(value),
             });
         }
     }

@@ -39,9 +39,16 @@ struct FlatParameters {
     start_sigma_m: f64,
     start_sigma_rad: f64,
     sensor_offset_m: [f64; 2],
+    #[serde(skip_serializing_if = "is_zero")]
+    sensor_baseline_m: [f64; 2],
     /// Read from old files, where it had a single value; not written.
     #[serde(rename = "motion_model", skip_serializing)]
     _motion_model: MeanSpeed,
+}
+
+/// Zero is not written: files of robots with both transducers in one place stay as they were.
+fn is_zero(place_m: &[f64; 2]) -> bool {
+    *place_m == [0.0; 2]
 }
 
 /// The only value of the former field `motion_model`.
@@ -86,6 +93,7 @@ conversions! {
         carrier_hz,
         speed_of_sound_mps,
         sensor_offset_m,
+        sensor_baseline_m,
     }
     measurement: MeasurementParameters {
         periods,
@@ -140,12 +148,17 @@ pub(crate) fn each_field_changed(base: &Parameters) -> Vec<(String, Parameters)>
         ("integration", _) => json!("euler"),
         ("toa_image", _) => json!("strongest"),
         ("resampling", _) => json!("multinomial"),
-        ("sensor_offset_m", _) => json!([0.1, 0.2]),
+        ("sensor_offset_m" | "sensor_baseline_m", _) => json!([0.1, 0.2]),
         (_, Value::Number(number)) if number.is_u64() => json!(number.as_u64().map(|n| n + 1)),
         (_, Value::Number(number)) => json!(number.as_f64().map(|x| 0.9 * x + 0.003)),
         _ => panic!("{name} needs another value here"),
     };
-    let fields: Map<String, Value> = serde_json::from_value(json!(base)).unwrap();
+    let mut fields: Map<String, Value> = serde_json::from_value(json!(base)).unwrap();
+    // Left out where it is zero.
+    fields.insert(
+        "sensor_baseline_m".into(),
+        json!(base.signal.sensor_baseline_m),
+    );
     let other = |name: &String| {
         let mut fields = fields.clone();
         fields[name] = changed(name, &fields[name]);

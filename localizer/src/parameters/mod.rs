@@ -99,6 +99,14 @@ impl Parameters {
             ("start_sigma_rad", self.filter.start_sigma_rad),
             ("sensor_offset_m[0]", self.signal.sensor_offset_m[0].abs()),
             ("sensor_offset_m[1]", self.signal.sensor_offset_m[1].abs()),
+            (
+                "sensor_baseline_m[0]",
+                self.signal.sensor_baseline_m[0].abs(),
+            ),
+            (
+                "sensor_baseline_m[1]",
+                self.signal.sensor_baseline_m[1].abs(),
+            ),
         ] {
             if !(value.is_finite() && value >= 0.0) {
                 return refuse(field, &value, "give zero or a positive number");

@@ -17,6 +17,8 @@ pub struct SignalParameters {
     /// microphone. With them b apart, an echo's path exceeds twice the range r from there by b^2/4r at most, and by
     /// nothing at a corner.
     pub sensor_offset_m: [f64; 2],
+    /// The microphone's place less the loudspeaker's, `[forward, left]` in metres. Landmarks use it; images do not.
+    pub sensor_baseline_m: [f64; 2],
 }
 
 impl Default for SignalParameters {
@@ -28,6 +30,7 @@ impl Default for SignalParameters {
             carrier_hz: 10_000.0,
             speed_of_sound_mps: 340.0,
             sensor_offset_m: [0.0; 2],
+            sensor_baseline_m: [0.0; 2],
         }
     }
 }

@@ -64,6 +64,8 @@ impl RecordingMeta {
             carrier_hz: self.carrier_hz,
             speed_of_sound_mps: self.speed_of_sound_mps,
             sensor_offset_m: self.sensor_offset_m(),
+            sensor_baseline_m: [0, 1]
+                .map(|axis| self.microphone_offset_m[axis] - self.loudspeaker_offset_m[axis]),
         }
     }
 

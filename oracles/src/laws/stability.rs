@@ -27,9 +27,9 @@ const DX_M: f64 = 0.005;
 const DT_S: f64 = 1.0 / 120_000.0;
 const RHO_KGPM3: f64 = 1.2;
 /// Initial free steps, in time constants of the layers' frequency shift.
-const DECAYS: f64 = 12.0;
+const DECAYS: f64 = 6.0;
 /// Vectors of the space in which the largest eigenvalue is looked for.
-const VECTORS: usize = 32;
+const VECTORS: usize = 24;
 
 /// Widths of the layers in cells.
 pub const LAYERS: [usize; 4] = [8, 16, 24, 32];

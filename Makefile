@@ -22,10 +22,10 @@ figures: ## redraw all figures from the data files, without computing anything
 picture: ## the sound field that README shows (results/field.png)
 	$(ECHOLOT) scene draw scenes/four_walls.json --click localization --after 0.0085 -o results/field.png
 
-validate: ## hold the field against laws of physics, all cases (results/validation)
+validate: ## compare the field with laws of physics, all cases (results/validation)
 	$(ECHOLOT) validate --full
 
-claims: ## hold the summary against the papers' claims (results/paper/report.md, tables of README.md)
+claims: ## compare the summary with the papers' claims (results/paper/report.md, tables of README.md)
 	$(ECHOLOT) check --preset paper --into README.md
 
 reference: ## the command line as a page of the documents (docs/reference/command-line.md)

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Times a plain C++ sweep, numba, Devito and Deepwave on the same work as the fast field engine and prints one table of ratios.
+"""Times a plain C++ sweep, numba, Devito and Deepwave on the work of the fast field engine; prints a table of ratios.
 
     cargo build --release
-    python3 experiments/peers/compare.py [--cells 1000] [--steps 2000] [--threads 1 2] [--echolot target/release/echolot]
-                                         [--peers cpp numba devito deepwave]
+    python3 experiments/peers/compare.py [--cells 1000] [--steps 2000] [--threads 1 2]
+                                         [--echolot target/release/echolot] [--peers cpp numba devito deepwave]
 
-The first run makes a virtual environment beside this file and installs the peers into it (about 6 GB, most of it PyTorch);
-Devito and the C++ sweep need gcc. An engine that cannot be installed or fails is left out and named.
+The first run makes a virtual environment beside this file and installs the peers into it (about 6 GB, most of it
+PyTorch); Devito and the C++ sweep need gcc. An engine that cannot be installed or fails is left out and named.
 
-Same work: a square f32 field, the five-point leapfrog scheme, no output but a receiver. The engine under test has everything on
-(absorbing layers, walls, moving source and receiver); C++, numba and Devito have a plain box, Deepwave absorbing layers and a fixed
-source. All engines run in turn, three times over; the best of each counts, so that a moment in which something else ran does not.
+Same work: a square f32 field, the five-point leapfrog scheme, no output but a receiver. The engine under test has
+everything on (absorbing layers, walls, moving source and receiver); C++, numba and Devito have a plain box, Deepwave
+absorbing layers and a fixed source. All engines run in turn, three times over, and the best of each counts.
 """
 
 import argparse
@@ -73,7 +73,8 @@ def peer_rate(command, name, cells, steps, threads):
 
 def own_rates(echolot, cells, steps, threads):
     """Speed of every engine and scheme in Gcell/s."""
-    command = [echolot, "bench", "--json", "--cells", f"{cells}x{cells}", "--steps", str(steps), "--threads", str(threads)]
+    size = ["--cells", f"{cells}x{cells}", "--steps", str(steps)]
+    command = [echolot, "bench", "--json", *size, "--threads", str(threads)]
     rows = json.loads(subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout)
     return {(f"{row['engine']} {row['scheme']}", row["threads"]): row["gcells_per_s"] for row in rows}
 

@@ -2,8 +2,8 @@
 
     python work.py {numba,devito,deepwave} CELLS STEPS THREADS
 
-Prints the speed in 10^9 cells per second, the best of three repeats. Setup and compilation are not timed. `compare.py` runs this
-in its virtual environment, a process for each engine and number of threads.
+Prints the speed in 10^9 cells per second, the best of three repeats. Setup and compilation are not timed.
+`compare.py` runs this in its virtual environment, a process for each engine and number of threads.
 """
 
 import os

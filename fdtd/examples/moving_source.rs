@@ -89,13 +89,13 @@ fn main() -> Result<(), fdtd::Error> {
     run.run(&mut |_, _| Flow::Continue)?;
 
     let signal = run.received();
-    println!("time s   heard Hz   exact Hz");
+    println!("time s      field Hz   exact Hz");
     for k in 2..10 {
         let (t_s, lag_s) = (0.02 * f64::from(k), 0.002);
         let cycles =
             phase_cycles(&signal, t_s + 0.5 * lag_s) - phase_cycles(&signal, t_s - 0.5 * lag_s);
-        let heard_hz = TONE_HZ + (cycles - cycles.round()) / lag_s;
-        println!("{t_s:6.2} {heard_hz:10.1} {:10.1}", exact_hz(t_s));
+        let field_hz = TONE_HZ + (cycles - cycles.round()) / lag_s;
+        println!("{t_s:6.2} {field_hz:10.1} {:10.1}", exact_hz(t_s));
     }
     Ok(())
 }

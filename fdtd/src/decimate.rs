@@ -95,7 +95,7 @@ impl Decimator {
         self.taps_per_phase / 2
     }
 
-    /// The filtered signal; what is beyond the input's ends counts as zero.
+    /// The filtered signal; samples beyond the input's ends count as zero.
     pub fn apply(&self, field: &[f32]) -> Vec<f32> {
         (0..self.output_len(field.len()))
             .map(|k| self.output(field, k))
@@ -117,7 +117,7 @@ impl Decimator {
         sum as f32
     }
 
-    /// Input sample at or before output `k`, and the phase of what is left.
+    /// Input sample at or before output `k`, and the phase of the remainder.
     fn place(&self, k: usize) -> (usize, usize) {
         if self.in_turn {
             let phase = k % self.phases;

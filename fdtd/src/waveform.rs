@@ -12,7 +12,7 @@ const POINTS: usize = 8;
 /// polynomial is then wrong by less than `PHASE_STEP^8 / 936 = 2.8e-9` of a component's amplitude.
 const PHASE_STEP: f64 = 0.2;
 
-/// A periodic waveform given by the samples of one period, without what lies outside its band.
+/// A periodic waveform given by the samples of one period, limited to a band.
 ///
 /// Its value at any time is that of the Fourier sum over the harmonics `k / period` (k below half the number of
 /// samples), each times [`band_gain`], to better than 1e-7 of the sum's amplitude.
@@ -25,8 +25,8 @@ pub struct PeriodicWaveform {
 }
 
 impl PeriodicWaveform {
-    /// The waveform through one period of samples (the first at time 0, evenly over `period_s` seconds), without
-    /// what lies above `band_hz`.
+    /// The waveform through one period of samples (the first at time 0, evenly over `period_s` seconds), limited
+    /// to frequencies below `band_hz`.
     ///
     /// Frequencies within 1 kHz of the band's upper edge are tapered to zero there by a raised cosine, all lower ones
     /// keep their amplitude and phase. When the field's rate times the period is a whole number, the table holds the

@@ -5,10 +5,10 @@
 //! of 1 Pa and no mean in the middle, then silence.
 //! Formula: nothing brings energy in, so that the sum of squares falls; the step's bound
 //! ([`fdtd::scheme::Polynomial::bound`]) does not include layers.
-//! Bias: the air in the box swings through its gaps, far below the band, and that dies away slowly; the noise has a
-//! share of it, which depends on the domain's width.
+//! Bias: the resonance of the box with its gaps, far below the band, decays slowly; the noise excites it to a degree
+//! that depends on the domain's width.
 //! Tolerance: after 8000 steps less than a twentieth of the sum of squares after 200 is left (a hundredth in a square
-//! domain at 340 m/s), after 16 000 less than after 8000. What makes energy overflows long before.
+//! domain at 340 m/s), after 16 000 less than after 8000. Growth would overflow long before.
 
 use fdtd::field::{
     FastField, Field, FieldSetup, FieldState, Injection, StepForcing, flushes_subnormals,

@@ -7,8 +7,8 @@
 //!   dimensions ([`image_source::room`]);
 //! * [`laws`]: laws of physics as measurements with tolerances, which the tests assert and `echolot validate` prints.
 //!
-//! [`exact`], [`rays`] and [`image_source`] compute no field: from [`fdtd`] they take what describes a problem (medium,
-//! walls, drives, waveforms), and the laws run the solver beside them. The solver uses nothing of this crate.
+//! [`exact`], [`rays`] and [`image_source`] compute no field: from [`fdtd`] they take the description of a problem
+//! (medium, walls, drives, waveforms), and the laws run the solver beside them. The solver uses nothing of this crate.
 
 pub mod exact;
 pub mod image_source;

@@ -83,7 +83,7 @@ fn share(field: &FastField) -> f64 {
 #[test]
 fn flushing_steps_keep_subnormal_numbers_away_and_change_roundings_only() {
     for scheme in Scheme::ALL {
-        let heard = [false, true].map(|flush| {
+        let recorded = [false, true].map(|flush| {
             let mut field = field(scheme);
             let mut received = Vec::new();
             // In twos, so that counts are taken just before flushing steps too.
@@ -99,7 +99,7 @@ fn flushing_steps_keep_subnormal_numbers_away_and_change_roundings_only() {
             assert!(behind < 1e-4, "{scheme}: {behind} left behind the front");
             (most, received)
         });
-        let [(loud, plain), (flushed, flushed_signal)] = heard;
+        let [(loud, plain), (flushed, flushed_signal)] = recorded;
         println!("{scheme}: at most {loud:.5} without, {flushed:.1e} with flushing steps");
         assert!(
             loud > 1e-3 && flushed < 1e-2 * loud,

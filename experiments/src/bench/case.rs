@@ -43,7 +43,7 @@ pub(super) fn setup(nx: usize, ny: usize, scheme: Scheme) -> FieldSetup {
     FieldSetup::new(&grid, &medium, scheme, LAYER_CELLS, &mask.into())
 }
 
-/// Forcing of source and receiver, which drift along x. No step is quiet, as in a long drive.
+/// Forcing of source and receiver, which drift along x. No step flushes, as in a long drive.
 pub(super) fn forcing(nx: usize, ny: usize) -> Vec<StepForcing> {
     let at = |n: usize| {
         let stencil =

@@ -1,7 +1,7 @@
 //! Speed while the first wave front crosses a silent field, beside that of a field of normal numbers. Ahead of the
 //! front the field falls off through all magnitudes, and some processors take a hundred cycles for each operation on a
-//! subnormal number; quiet steps flush them ([`fdtd::field::flushes_subnormals`]). The third measurement leaves the
-//! quiet steps out.
+//! subnormal number; flushing steps flush them ([`fdtd::field::flushes_subnormals`]). The third measurement leaves the
+//! flushing steps out.
 
 use anyhow::Result;
 use fdtd::field::{FastField, Field, StepForcing, flushes_subnormals};
@@ -32,15 +32,15 @@ pub struct Row {
     pub normal_gcells_per_s: f64,
     /// Speed in the first steps of a source in silence.
     pub start_gcells_per_s: f64,
-    /// The same without quiet steps.
+    /// The same without flushing steps.
     pub loud_start_gcells_per_s: f64,
     /// Time of the start over that on numbers around 1.
     pub time_ratio: f64,
-    /// The same without quiet steps: the cost of subnormal numbers on this machine.
+    /// The same without flushing steps: the cost of subnormal numbers on this machine.
     pub loud_time_ratio: f64,
     /// Share of cells that are subnormal after the start.
     pub subnormal_share: f64,
-    /// The same without quiet steps.
+    /// The same without flushing steps.
     pub loud_subnormal_share: f64,
 }
 
@@ -62,14 +62,14 @@ pub fn measure(nx: usize, ny: usize, steps: Option<usize>) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for scheme in Scheme::ALL {
         let loud: Vec<StepForcing> = forcing(nx, ny).into_iter().cycle().take(steps).collect();
-        let mut quiet = loud.clone();
-        for (n, step) in quiet.iter_mut().enumerate() {
+        let mut flushing = loud.clone();
+        for (n, step) in flushing.iter_mut().enumerate() {
             step.flush = flushes_subnormals(scheme, n as u64);
         }
         let mut field = FastField::new(setup(nx, ny, scheme), 1);
         let silent = field.state();
         let full = noise(silent.clone());
-        let cases = [(&full, &quiet), (&silent, &quiet), (&silent, &loud)];
+        let cases = [(&full, &flushing), (&silent, &flushing), (&silent, &loud)];
         let mut seconds = [0.0_f64; 3];
         let mut shares = [0.0_f64; 3];
         let mut received = Vec::new();
@@ -112,9 +112,13 @@ mod tests {
     #[test]
     fn there_are_subnormal_numbers_without_quiet_steps_and_none_with_them() {
         for row in measure(160, 150, Some(90)).unwrap() {
-            let [quiet, loud] = [row.subnormal_share, row.loud_subnormal_share];
+            let [flushing, loud] = [row.subnormal_share, row.loud_subnormal_share];
             assert!(loud > 0.002, "{}: {loud}", row.scheme);
-            assert!(quiet < 0.02 * loud, "{}: {quiet} and {loud}", row.scheme);
+            assert!(
+                flushing < 0.02 * loud,
+                "{}: {flushing} and {loud}",
+                row.scheme
+            );
         }
     }
 }

@@ -71,7 +71,7 @@ pub fn table(judged: &[Judged]) -> String {
 pub fn markdown(targets: &Targets, judged: &[Judged], summary: &Summary) -> String {
     let cell = |text: &str| text.replace('|', "\\|");
     let mut text = format!(
-        "# The papers' claims\n\nWritten by `echolot check --preset {}` from `summary.json` (revision {}) and \
+        "# The papers' claims\n\nWritten by `echolot check --preset {}` from `summary.json` (revision {}) and\n\
          `experiments/targets.json`; do not edit.\n\n{}.\n",
         summary.preset.name(),
         summary.provenance.commit,

@@ -10,7 +10,7 @@ use crate::recordings::spec::{Engine, IMAGE_ORDER};
 /// Engine that computes the sound.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(super) struct EngineArguments {
-    /// What computes the sound: the field, or image sources (approximate, seconds).
+    /// Engine: the field, or image sources (approximate, seconds).
     #[arg(long, value_enum, default_value_t = Engine::Fdtd)]
     pub(super) engine: Engine,
     /// Most reflections of an echo by image sources [default: 2].

@@ -152,7 +152,7 @@ impl Arguments {
         for row in &subnormal {
             board.say(format!(
                 "{} {nx}x{ny}, first {} steps from silence: {:.2} times the time of a field in full swing \
-                ({:.2} and {:.2} Gcell/s); without quiet steps {:.2} times",
+                ({:.2} and {:.2} Gcell/s); without flushing {:.2} times",
                 row.scheme,
                 row.steps,
                 row.time_ratio,

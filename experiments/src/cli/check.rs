@@ -16,9 +16,8 @@ use crate::summary::Summary;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  echolot check --preset quick\n\n\
     quick: fails when an error lies above its baseline by more than the baseline's interval and 10 %.\n\
-    paper: holds the claims of experiments/targets.json against the summary, writes report.md beside it, and \
-    fails when a \
-    claim that can be tested is not reproduced.")]
+    paper: compares the claims of experiments/targets.json with the summary, writes report.md beside it, and fails \
+    when a claim that can be tested is not reproduced.")]
 pub(crate) struct Arguments {
     /// Preset that is checked.
     #[arg(long, value_enum, default_value_t = Preset::Quick)]

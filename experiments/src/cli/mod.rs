@@ -49,11 +49,11 @@ enum Command {
     Run(run::Arguments),
     /// Draw the figures from data files.
     Figures(figures::Arguments),
-    /// Hold a summary against the baseline (quick) or the papers' claims (paper).
+    /// Compare a summary with the baseline (quick) or the papers' claims (paper).
     Check(check::Arguments),
     /// Measure the speed of the field engines.
     Bench(bench::Arguments),
-    /// Hold the field against laws of physics: table, data, figure.
+    /// Compare the field with laws of physics: table, data, figure.
     Validate(validate::Arguments),
     /// List the studies.
     List(list::Arguments),

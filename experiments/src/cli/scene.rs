@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Check a scene file and print what it holds.
+    /// Check a scene file and print its contents.
     #[command(after_help = "Example:\n  echolot scene check scenes/quick.json --json")]
     Check {
         /// The scene file.

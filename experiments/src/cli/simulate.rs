@@ -39,11 +39,11 @@ pub(crate) struct Arguments {
     /// Folder of the recording.
     #[arg(short, long, value_name = "RECORDING")]
     output: PathBuf,
-    /// Leave out the walls: the direct wave alone. Fast, for the field is only that around the robot.
+    /// Leave out the walls: the direct wave alone. Fast, because only the field around the robot is simulated.
     #[arg(long)]
     free_field: bool,
-    /// Simulate all of the scene's domain. Else the absorbing layer begins where walls and drive end; the air beyond
-    /// them is not heard.
+    /// Simulate the scene's whole domain. By default the absorbing layer begins where walls and drive end, which does
+    /// not change the signal.
     #[arg(long)]
     whole_domain: bool,
     /// Simulate the drive without walls too and write it as direct.wav.
@@ -55,7 +55,7 @@ pub(crate) struct Arguments {
     /// Spreading of source and receiver, bilinear, gaussian, kaiser8 or kaiser12; the scene's unless given.
     #[arg(long, value_parser = named::<Spread>)]
     spread: Option<Spread>,
-    /// How walls become cells of the field, staircase or cut-cells; the scene's way unless given.
+    /// Model of the walls, staircase or cut-cells; the scene's unless given.
     #[arg(long, value_name = "MODEL", value_parser = wall_model)]
     walls: Option<WallModel>,
     #[command(flatten)]
@@ -63,9 +63,9 @@ pub(crate) struct Arguments {
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
-    /// Let the air absorb sound (ISO 9613-1), each echo by its own way. The drive is simulated a second time with its
-    /// sound stamped by the time of sending, which tells the ways. Needs a scene whose medium is given by temperature
-    /// and humidity, or --temperature and --humidity.
+    /// Absorption by air (ISO 9613-1), each echo by its path length. The drive is simulated a second time with the
+    /// source strength times the time of emission, from which path lengths follow. Needs a scene whose medium is
+    /// given by temperature and humidity, or --temperature and --humidity.
     #[arg(long)]
     absorption: bool,
     /// Temperature for --absorption, degC, where the scene's medium is plain numbers.
@@ -74,7 +74,7 @@ pub(crate) struct Arguments {
     /// Relative humidity for --absorption, percent.
     #[arg(long, value_name = "PERCENT", requires_all = ["absorption", "temperature"])]
     humidity: Option<f64>,
-    /// Go on from the checkpoint of an interrupted simulation.
+    /// Resume from the checkpoint of an interrupted simulation.
     #[arg(long)]
     resume: bool,
     /// Folder for pictures of the field, and for the animation (pressure.apng) that joins them.

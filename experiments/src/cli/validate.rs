@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     /// All cases of every law instead of a few.
     #[arg(long)]
     full: bool,
-    /// Only draw the figures from data that is there.
+    /// Draw the figures from the existing data, without measuring.
     #[arg(long, conflicts_with = "full")]
     figures_only: bool,
     /// Folder of the results.

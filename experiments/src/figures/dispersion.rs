@@ -31,6 +31,29 @@ fn stroke(scheme: &str, angle_deg: &str) -> Stroke {
     Stroke::solid(shade, 4.0).dashed(dashes)
 }
 
+/// Largest frequency in hertz that the title speaks of.
+const TITLE_HZ: f64 = 10e3;
+
+/// The title, from the measured velocities: the largest error of each scheme.
+fn title(schemes: &[String], measured: &Table) -> Result<String> {
+    let mut errors = Vec::new();
+    for scheme in schemes {
+        let rows = measured.only("scheme", scheme)?;
+        let largest = rows
+            .numbers("frequency_hz")?
+            .into_iter()
+            .zip(rows.numbers("phase_error")?)
+            .filter(|(frequency_hz, _)| *frequency_hz <= TITLE_HZ)
+            .fold(0.0_f64, |largest, (_, error)| largest.max(error.abs()));
+        errors.push(format!("{scheme} {:.2} %", 100.0 * largest));
+    }
+    Ok(format!(
+        "Errors of the phase velocity up to {:.0} kHz: {}",
+        1e-3 * TITLE_HZ,
+        errors.join(", ")
+    ))
+}
+
 /// Draws the figure.
 ///
 /// # Errors
@@ -41,15 +64,14 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let schemes = table.distinct("scheme")?;
     let angles = table.distinct("angle_deg")?;
     canvas::draw(picture, 1800, 1040, |sheet| {
-        let title = "The grid slows sound down, by a factor of frequency, direction and scheme";
-        sheet.title(title)?;
+        sheet.title(&title(&schemes, &measured)?)?;
         let panels = [
             ("phase_error", 140.0, [-3.0, 0.5], "(a) phase velocity"),
             (
                 "group_error",
                 1030.0,
                 [-9.0, 1.5],
-                "(b) group velocity: what delays echoes",
+                "(b) group velocity, which delays echoes",
             ),
         ];
         for (column, left, range, name) in panels {

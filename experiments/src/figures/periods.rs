@@ -6,7 +6,7 @@ use anyhow::Result;
 
 use super::drawing::axes::Axes;
 use super::drawing::axis::Axis;
-use super::drawing::canvas;
+use super::drawing::canvas::{self, LABEL};
 use super::drawing::colour;
 use super::drawing::layout::{self, drive_points, path};
 use super::drawing::legend::{Entry, legend};
@@ -46,7 +46,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let paths = Table::read(&data.join("periods_paths.csv"))?;
     let table = Table::read(&data.join("periods.csv"))?;
     let cells = means_by(&table, "m", "mae_m")?;
-    canvas::draw(picture, 1800, 1040, |sheet| {
+    canvas::draw(picture, 1800, 1060, |sheet| {
         let means: Vec<(f64, f64)> = cells.iter().map(|cell| (cell.0, cell.1)).collect();
         sheet.title(&title(&means))?;
         let left = layout::axes(&layout, sheet, [120.0, 185.0, 860.0, 925.0]);
@@ -82,6 +82,14 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             entries.push(entry);
         }
         left.finish("(a) estimated positions (first trial)")?;
+        sheet.text(
+            "\u{25cf} start   \u{25a0} end   grey: walls",
+            [120.0, 1030.0],
+            (1, 0),
+            LABEL - 3.0,
+            false,
+            false,
+        )?;
         let highest = cells.iter().map(|cell| cell.2[1]).fold(1e-3, f64::max);
         let right = Axes::new(
             sheet,

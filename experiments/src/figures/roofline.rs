@@ -164,8 +164,12 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             .zip(strokes)
             .map(|(peak, stroke)| {
                 let text = format!(
-                    "roofs, {} thread(s): memory {:.0} GB/s, first-level cache {:.0} GB/s, peak {:.0} Gflop/s",
-                    peak.threads, peak.memory_gbps, peak.l1_load_gbps, peak.fma_gflops
+                    "roofs, {} {}: memory {:.0} GB/s, first-level cache {:.0} GB/s, peak {:.0} Gflop/s",
+                    peak.threads,
+                    if peak.threads == 1 { "thread" } else { "threads" },
+                    peak.memory_gbps,
+                    peak.l1_load_gbps,
+                    peak.fma_gflops
                 );
                 Entry::line(stroke, &text)
             })

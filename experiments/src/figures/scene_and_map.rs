@@ -60,7 +60,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         ),
         ("localization", Stroke::solid(colour::BLUE, 5.0)),
     ];
-    canvas::draw(picture, 1800, 980, |sheet| {
+    canvas::draw(picture, 1800, 1020, |sheet| {
         let title =
             "The scene, and the image of its walls from echoes at the known poses of a drive";
         sheet.title(title)?;
@@ -83,8 +83,16 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             text: format!("{name} drive"),
         }));
         legend(sheet, [60.0, 925.0], 900.0, &entries)?;
+        sheet.text(
+            "\u{25cf} start   \u{25a0} end   light blue: absorbing layer",
+            [60.0, 990.0],
+            (1, 0),
+            LABEL - 4.0,
+            false,
+            false,
+        )?;
 
-        let right = layout::axes(&layout, sheet, [950.0, 130.0, 1640.0, 820.0]);
+        let right = layout::axes(&layout, sheet, [935.0, 130.0, 1625.0, 820.0]);
         let (rows, columns) = map.dim();
         let low = place.origin_m.map(|origin| origin - 0.5 * place.cell_m);
         let spans = [

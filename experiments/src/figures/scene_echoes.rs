@@ -40,8 +40,15 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         .iter()
         .fold(0.0_f64, |most, (_, p)| most.max(p.abs()));
     canvas::draw(picture, 1800, 1330, |sheet| {
-        let title = "Echoes in the scene of the paper's size: sound field beside image sources";
-        sheet.title(title)?;
+        let largest = |column: &str| -> Result<f64> {
+            let values = echoes.numbers(column)?;
+            Ok(values.into_iter().map(f64::abs).fold(0.0, f64::max))
+        };
+        sheet.title(&format!(
+            "Echoes that stand alone are within {:.2} dB and {:.2} \u{b5}s of their images",
+            largest("louder_db")?,
+            largest("late_us")?
+        ))?;
         let entries = [
             Entry::line(FIELD, "field, minus the same without walls"),
             Entry::line(IMAGES, "image sources of first and second order"),
@@ -57,7 +64,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         axes.grid()?;
         axes.curve(&field, FIELD)?;
         axes.curve(&images, IMAGES)?;
-        axes.finish("(a) heard at one place, all walls")?;
+        axes.finish("(a) echoes at one place, all walls")?;
         let panels = [
             (
                 "louder_db",
@@ -68,7 +75,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             (
                 "late_us",
                 1050.0,
-                "delay, field minus image [us]",
+                "delay, field minus image [\u{b5}s]",
                 "(c) delay, dispersion taken out",
             ),
         ];
@@ -82,18 +89,18 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             );
             axes.grid()?;
             axes.curve(&[(0.0, 0.0), (9.0, 0.0)], Stroke::solid(colour::GREY, 2.0))?;
-            for (walls, marker, shade) in marks() {
+            for (walls, marker, size, shade) in marks() {
                 let rows = echoes.only("scene", walls)?;
                 let points: Vec<(f64, f64)> = rows
                     .numbers("length_m")?
                     .into_iter()
                     .zip(rows.numbers(column)?)
                     .collect();
-                axes.markers(&points, marker, 19.0, shade)?;
+                axes.markers(&points, marker, size, shade)?;
             }
             axes.finish(name)?;
         }
-        let entries = marks().map(|(walls, marker, shade)| Entry {
+        let entries = marks().map(|(walls, marker, _, shade)| Entry {
             stroke: None,
             marker: Some((marker, shade)),
             text: format!("{walls}, as cut cells"),
@@ -103,10 +110,10 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     })
 }
 
-/// Selections of walls, and the markers of their echoes.
-fn marks() -> [(&'static str, Marker, plotters::style::RGBColor); 2] {
+/// Selections of walls, and the markers of their echoes with sizes: the first remains visible beneath the second.
+fn marks() -> [(&'static str, Marker, f64, plotters::style::RGBColor); 2] {
     [
-        ("pair along the grid", Marker::Disc, colour::BLUE),
-        ("all walls", Marker::Triangle, colour::ORANGE),
+        ("pair along the grid", Marker::Disc, 28.0, colour::BLUE),
+        ("all walls", Marker::Triangle, 15.0, colour::ORANGE),
     ]
 }

@@ -112,8 +112,8 @@ impl Ranging {
             delay_s: 0.0,
         };
         let reference_m = ranging.link.reference_m;
-        let heard = ranging.crossing_s(reference_m, || 0.0);
-        ranging.delay_s = heard.unwrap_or(0.0) - reference_m / ranging.link.c_mps;
+        let recorded = ranging.crossing_s(reference_m, || 0.0);
+        ranging.delay_s = recorded.unwrap_or(0.0) - reference_m / ranging.link.c_mps;
         ranging
     }
 
@@ -148,11 +148,11 @@ impl Ranging {
         let mut resonance = Resonance::new(&self.link);
         // White noise of power 1 leaves the resonance with power (pi/2) B / (f_s/2).
         let level = self.link.noise / (PI * self.link.bandwidth_hz / RATE_HZ).sqrt();
-        let heard = self.crossing_s(distance_m, || {
+        let recorded = self.crossing_s(distance_m, || {
             let white: f64 = StandardNormal.sample(&mut random);
             resonance.next(level * white)
         })?;
-        let ticks = ((heard - self.delay_s) / self.link.tick_s).round();
+        let ticks = ((recorded - self.delay_s) / self.link.tick_s).round();
         Some((ticks * self.link.tick_s * self.link.c_mps).max(0.0))
     }
 }

@@ -77,13 +77,13 @@ pub(super) fn scene_echoes(depth: Depth, data: &Path) -> Result<()> {
         let conditions = &place.conditions;
         let peak_s = scene_echoes::burst(conditions).centre_s;
         let since_s = |n: usize| n as f64 * conditions.dt_s - peak_s;
-        for n in (0..place.heard.len())
+        for n in (0..place.recorded.len())
             .step_by(2)
             .filter(|&n| since_s(n) >= 0.0)
         {
             signal.push([
                 cell(1e3 * since_s(n), 4),
-                format!("{:.4e}", place.heard[n]),
+                format!("{:.4e}", place.recorded[n]),
                 format!("{:.4e}", place.images[n]),
             ]);
         }

@@ -256,9 +256,9 @@ fn absorption_weakens_the_echoes_and_is_in_the_provenance() {
     };
     let (without, untold) = simulate("plain", &[]);
     let more = ["--absorption", "--temperature", "20", "--humidity", "50"];
-    let (with, told) = simulate("absorbed", &more);
+    let (with, absorbed) = simulate("absorbed", &more);
     assert!(untold.is_null());
-    assert_eq!(told["temperature_degc"], 20.0);
+    assert_eq!(absorbed["temperature_degc"], 20.0);
     // Two metres and more at 10 kHz take 0.3 dB and more, a room of 2.5 m not more than 3 dB.
     let loss_db = 10.0 * (without / with).log10();
     assert!((0.2..3.0).contains(&loss_db), "{loss_db}");

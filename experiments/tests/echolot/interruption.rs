@@ -21,8 +21,8 @@ fn an_interrupted_simulation_goes_on_to_the_same_bytes() {
         .unwrap();
     // It prints its plan and starts a moment later. A signal that comes earlier or later makes the test weaker, not
     // wrong.
-    let mut told = std::io::BufReader::new(child.stderr.take().unwrap());
-    std::io::BufRead::read_line(&mut told, &mut String::new()).unwrap();
+    let mut stderr = std::io::BufReader::new(child.stderr.take().unwrap());
+    std::io::BufRead::read_line(&mut stderr, &mut String::new()).unwrap();
     std::thread::sleep(std::time::Duration::from_millis(150));
     let killed = std::process::Command::new("kill")
         .arg(child.id().to_string())

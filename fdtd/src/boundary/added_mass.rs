@@ -1,4 +1,4 @@
-//! Added mass: the mass of air before a element of slanted surface.
+//! Added mass: the mass of air before an element of slanted surface.
 //!
 //! For a flow that is uniform along the whole wall, the surface must add no reactance of its own to that of the air.
 //! Let the pressure rise by one per cell width from the wall on, as before a soft wall at low frequencies. A surface

@@ -1,4 +1,4 @@
-//! Measures what the machine can do, to hold the engines' speed against it.
+//! Peaks of the machine, with which the engines' speed is compared.
 
 use std::hint::black_box;
 use std::time::Instant;

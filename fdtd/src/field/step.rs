@@ -1,4 +1,4 @@
-//! One step of a field as both engines take it: its forcing, its state, and what they share of its rules.
+//! One step of a field as both engines take it: its forcing, its state, and the rules that they share.
 
 use crate::number::Real;
 use crate::scheme::Scheme;
@@ -40,7 +40,7 @@ pub struct StepForcing {
     pub receiver: Stencil,
 }
 
-/// State of a field in plain order, the same for both engines: what a checkpoint holds.
+/// State of a field in plain order, the same for both engines, as in a checkpoint.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FieldState {
     /// Pressure now, `[iy, ix]`.

@@ -13,7 +13,8 @@
 //! exponential: of all lines its largest error from no delay up to the longest path of interest is least (Chebyshev;
 //! the exponential is convex). Both factors are filters of the whole signal, without delay.
 //!
-//! Left out: the dispersion that goes with relaxation (0.1 m/s at most), and what a period of the sound changes of tau.
+//! Left out: the dispersion that goes with relaxation (0.1 m/s at most), and the change of tau during a period of the
+//! sound.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;

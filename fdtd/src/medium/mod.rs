@@ -47,7 +47,7 @@ pub struct Air {
 }
 
 impl Air {
-    /// Refuses what lies outside the formulas' ranges. `origin` is the file, `at` what stands before a field's name
+    /// Refuses numbers outside the formulas' ranges. `origin` is the file, `at` what stands before a field's name
     /// (`medium.`, `--`).
     ///
     /// # Errors

@@ -290,7 +290,7 @@ fn parse(text: &str, is_csv: bool) -> Result<Vec<PoseSample>, Error> {
     Ok(samples)
 }
 
-/// The first characters of what stands in a file, for an error message of one line.
+/// The first characters of a file's content, for an error message of one line.
 fn shorten(text: &str) -> String {
     let mut short: String = text.chars().take(40).collect();
     if short.len() < text.len() {

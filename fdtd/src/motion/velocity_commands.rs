@@ -226,7 +226,7 @@ impl Ramp {
     }
 }
 
-/// Refuses what cannot be driven.
+/// Refuses drives that the limits exclude.
 fn check(
     start: &MotionState,
     commands: &[VelocityCommand],

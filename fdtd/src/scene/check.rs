@@ -132,11 +132,7 @@ impl Checker<'_> {
     fn waveform(&self) -> Result<(), Error> {
         let waveform = &self.scene.waveform;
         let (length, rate_hz) = (waveform.code_length, self.scene.sample_rate_hz);
-        let order = length
-            .checked_add(1)
-            .filter(|next| next.is_power_of_two())
-            .map_or(0, u32::ilog2);
-        if !(2..=20).contains(&order) {
+        if waveform.code_order().is_none() {
             let remedy = "give 2^n - 1 chips with n from 2 to 20, for example 1023".to_string();
             return self.refuse(
                 "waveform.code_length",
@@ -207,7 +203,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// Surfaces of an impedance take their springs from what the scheme leaves below its stability limit.
+    /// Surfaces of an impedance need the scheme's margin below its stability limit.
     fn surfaces(&self) -> Result<(), Error> {
         let Scene {
             grid,
@@ -251,7 +247,7 @@ impl Checker<'_> {
         let reach = self.scene.scheme.radius();
         let layer_m = (layer_cells + reach) as f64 * grid.dx_m;
         let [width_m, height_m] = grid.size_m();
-        // A rim on the edge of what is allowed is inside; rounding must not decide.
+        // A rim on the limit is inside; rounding must not decide.
         let slack_m = 1e-9 * grid.dx_m;
         let open_air = |[x, y]: [f64; 2]| {
             (layer_m - slack_m..=width_m - layer_m + slack_m).contains(&x)

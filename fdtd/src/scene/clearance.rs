@@ -44,7 +44,7 @@ pub(super) fn check(scene: &Scene, origin: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// The first time at which a transducer is too near something, what it is too near, and what to do.
+/// The first time at which a transducer is too near something, the obstacle, and the remedy.
 fn follow(
     scene: &Scene,
     cells: &WallCells,

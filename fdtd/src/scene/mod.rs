@@ -2,6 +2,7 @@
 
 mod check;
 mod clearance;
+mod code;
 mod file;
 mod locate;
 mod model;
@@ -45,7 +46,7 @@ impl Scene {
     /// Call it again after changing a field, for example the scheme.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with `origin`, the field's path, the problem and what would be accepted.
+    /// [`Error::Invalid`] with `origin`, the field's path, the problem and the accepted values.
     pub fn check(&self, origin: &str) -> Result<(), Error> {
         check::check(self, origin)?;
         clearance::check(self, origin)

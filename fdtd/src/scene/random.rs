@@ -53,8 +53,8 @@ type Point = [f64; 2];
 /// drawn at random, as the JSON of a scene file.
 ///
 /// Nothing about the sound of the layout is looked at: walls stand apart, inside the domain, and drives keep 0.3 m
-/// away from them, on their inner side. The robot explores while mapping, as who maps a place does. Equal kinds and
-/// seeds give equal scenes.
+/// away from them, on their inner side. The mapping drive explores the air. Equal kinds and seeds give equal
+/// scenes.
 ///
 /// ```
 /// use fdtd::scene::{LayoutKind, Scene, random};

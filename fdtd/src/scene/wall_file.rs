@@ -1,4 +1,4 @@
-//! Walls of a scene file, and what their surfaces may be.
+//! Walls of a scene file and their surfaces.
 
 use crate::walls::{Branch, Impedance, Wall};
 use schemars::JsonSchema;
@@ -48,7 +48,7 @@ fn default_thickness_m() -> f64 {
 }
 
 /// Largest resistance and inertance, in their units; stiffness in Pa/m may be as large squared. Far beyond any wall,
-/// and within what the arithmetic bears.
+/// and within the range of the arithmetic.
 const MOST: f64 = 1e9;
 
 /// Field, problem and remedy.

@@ -8,6 +8,7 @@
 mod dispersion;
 mod optimum;
 mod polynomial;
+mod stability;
 
 use std::sync::OnceLock;
 

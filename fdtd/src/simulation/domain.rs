@@ -14,7 +14,7 @@ use crate::walls::WallCells;
 /// Cells kept between walls or a drive and the absorbing layer.
 const CLEARANCE_CELLS: usize = 12;
 
-/// A domain to simulate, in its parts: what [`Simulation::new`](super::Simulation::new) makes of a scene.
+/// A domain to simulate, in its parts, as [`Simulation::new`](super::Simulation::new) derives it from a scene.
 #[derive(Debug, Clone)]
 pub struct Domain {
     /// Grid and step.

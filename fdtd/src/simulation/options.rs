@@ -18,7 +18,7 @@ pub struct SimulationOptions {
     /// Without walls, in segments of time whose domains are cropped to where the drive is then.
     pub free_field: bool,
     /// All of the scene's domain, air beyond the walls and the drive too; for a free field, one segment around the
-    /// whole drive. What cropped domains and segments are measured against.
+    /// whole drive. The reference of cropped domains and segments.
     pub whole_domain: bool,
     /// Source strength times the time since the middle of the drive, which gives travel times
     /// ([`crate::medium::absorbed`]).

@@ -3,7 +3,7 @@
 //!
 //! Without walls there are no echoes: sound at the microphone left the loudspeaker a moment ago, and cells far from
 //! both cannot matter. Each segment starts from silence some time before its first sample. In this warm-up the source
-//! rises from zero in a smooth ramp, and what the ramp itself sent out passes the microphone and goes into the layer;
+//! rises from zero in a smooth ramp, and the sound of the ramp itself passes the microphone and goes into the layer;
 //! then the segment before it fades out and it fades in, for the two differ by rounding errors of a few hertz, which
 //! would leave a step.
 //!
@@ -174,8 +174,7 @@ impl SegmentPlan {
     }
 
     /// The drive's signal from the samples of all segments one after the other: entry `n` of either after `n` steps,
-    /// the first
-    /// silent.
+    /// the first silent.
     pub(super) fn join(&self, received: &[f32]) -> Vec<f32> {
         let mut joined = received[..1].to_vec();
         for segment in &self.segments {

@@ -1,12 +1,13 @@
 //! Stability watch of a run: a field that no source can have made ends it.
 //!
-//! The scheme is stable for every step that a scene may have (`docs/theory/stability.md`), so that this is for what
-//! nobody thought of: a defect of the solver, of the machine, or a domain put together by hand. Two things are looked
-//! at, some ten times in a second of sound, and what the microphone receives at every call of the observer. *Pressure*:
-//! of the source's strength `q` one step adds at most `A = rho c^2 dt |q| / (2 dx^2)` to a cell; near the source the
-//! pressure stays within a few times that, and where it meets nothing but rigid walls and a resonance, it grows by
-//! `4 rho c^2 / S` times the integral of `|q|` at most, `S` being the area of the air. *Energy*: while the source is
-//! silent it must not grow; it is the invariant of the leapfrog step, `|p' - p|^2 / 2 - p' . (p' - 2 p + p'') / 2`.
+//! The scheme is stable for every step that a scene may have (`docs/theory/stability.md`), so that the
+//! watch is for the unforeseen: a defect of the solver or of the machine, or a domain assembled by hand. Two quantities
+//! of the field are checked some ten times in a second of sound, and the microphone's samples at every call of the
+//! observer. *Pressure*: of the source's strength `q` one step adds at most `A = rho c^2 dt |q| / (2 dx^2)` to a cell;
+//! near the source the pressure stays within a few times that, and where it meets nothing but rigid walls and a
+//! resonance, it grows by `4 rho c^2 / S` times the integral of `|q|` at most, `S` being the area of the air. *Energy*:
+//! while the source is silent it must not grow; it is the invariant of the leapfrog step, `|p' - p|^2 / 2 - p' . (p' -
+//! 2 p + p'') / 2`.
 
 use super::domain::Domain;
 use super::segments::Window;
@@ -16,7 +17,7 @@ use crate::field::{FieldState, StepForcing};
 /// Steps between two looks: a tenth of a second on the papers' grid, in which a mode that grows by 75 1/s does so by 65
 /// dB.
 const STRIDE: u64 = 12_000;
-/// Pressure near the source over what one step adds.
+/// Pressure near the source over the increment of one step.
 const NEAR: f64 = 10.0;
 /// Energy in silence over that when it began.
 const GROWTH: f64 = 4.0;
@@ -46,7 +47,7 @@ pub(super) struct FieldView<'a> {
 }
 
 impl Watch {
-    /// Takes note of what the source adds.
+    /// Accounts for the source's contribution.
     pub(super) fn follow(&mut self, steps: &[StepForcing]) {
         let amplitudes = steps.iter().flat_map(|step| step.injections);
         let loudest = amplitudes.fold(0.0, |most, injection| injection.amplitude.abs().max(most));

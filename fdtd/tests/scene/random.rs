@@ -30,7 +30,8 @@ fn every_seed_gives_a_scene_whose_drives_keep_clear_of_its_walls() {
             }
             for name in ["mapping", "localization"] {
                 let path = &scene.paths[name];
-                assert_eq!(path.duration_s(), 40.0, "{kind:?} {seed} {name}");
+                let off_s = path.duration_s() - 40.0;
+                assert!(off_s.abs() < 1e-9, "{kind:?} {seed} {name}: {off_s} s");
                 let nearest_m = (0..=160)
                     .map(|k| path.point_at(0.25 * f64::from(k), [0.0; 2]))
                     .flat_map(|point| {

@@ -19,7 +19,7 @@ pub struct Burst {
 }
 
 impl Burst {
-    /// A burst that starts at time 0 from nothing and whose spectrum has the standard deviation `spread_hz`.
+    /// A burst that starts at time 0 and whose spectrum has the standard deviation `spread_hz`.
     pub fn from_zero(frequency_hz: f64, spread_hz: f64) -> Self {
         let sigma_s = 1.0 / (TAU * spread_hz);
         Self {
@@ -35,8 +35,8 @@ impl Burst {
         (-0.5 * (since_s / self.sigma_s).powi(2)).exp() * (TAU * self.frequency_hz * since_s).cos()
     }
 
-    /// The burst again and again, once every `period_s` seconds (up to a sample at `rate_hz`), limited to a band: what
-    /// a simulation sends that ends before the second.
+    /// The burst repeated every `period_s` seconds (up to a sample at `rate_hz`) and limited to a band, for simulations
+    /// that end before the second one.
     pub fn every(&self, period_s: f64, band_hz: [f64; 2], rate_hz: f64) -> PeriodicWaveform {
         let one: Vec<f64> = (0..(period_s * rate_hz) as usize)
             .map(|n| self.value(n as f64 / rate_hz))

@@ -1,4 +1,4 @@
-//! A rigid circular cylinder: what it makes of a line source outside, and the standing waves within.
+//! A rigid circular cylinder: scattering of a line source outside, and the standing waves within.
 //!
 //! Outside, for a tone `e^(i omega t)` with the source at `(r0, 0)` and the microphone at `(r, phi)` from the axis,
 //! both beyond the radius a (Bowman, Senior and Uslenghi 1969, sec. 2.4),

@@ -7,7 +7,7 @@
 //! phi(t) = (1/4 pi) [S(R, phi - phi0) + S(R', phi + phi0)],    S(R, psi) = int_{-u}^inf q(t - (R/c) cosh v) dv
 //! sinh(u/2) = sqrt(2 r r0 / ((r + r0 + R) R)) cos(psi/2),    R^2 = r^2 + r0^2 - 2 r r0 cos(psi)
 //! ```
-//! `S(R, psi) + S(R, psi + 2 pi)` is twice the free field: what one side loses the other has.
+//! `S(R, psi) + S(R, psi + 2 pi)` is twice the free field: the two sides add up.
 
 use super::burst::Burst;
 use fdtd::grid::Medium;

@@ -1,4 +1,4 @@
-//! Exact solutions of the wave equation in the plane, in f64 and slow: what the field is measured against.
+//! Exact solutions of the wave equation in the plane, in f64 and slow: the references of the field.
 //!
 //! The velocity potential of a line source of strength q (m^2/s) at `x_s(t)` and the pressure obey
 //! ```text

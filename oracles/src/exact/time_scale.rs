@@ -8,6 +8,14 @@
 ///
 /// The image moves towards the wall from behind as the pair does from the front; the `e` comes from the sound's way not
 /// being the perpendicular while the pair moves along the wall.
+///
+/// ```
+/// use oracles::exact::time_scale::plane_wall;
+///
+/// let mach = 0.3 / 340.0;
+/// assert!((plane_wall(mach, 0.0) - (1.0 + mach) / (1.0 - mach)).abs() < 1e-15);
+/// assert!((plane_wall(mach, 0.5) - (1.0 + 2.0 * mach * 0.5_f64.cos())).abs() < 2e-6);
+/// ```
 pub fn plane_wall(mach: f64, theta_rad: f64) -> f64 {
     let (sine, cosine) = theta_rad.sin_cos();
     let effective = (1.0 - (mach * sine).powi(2)).sqrt();
@@ -15,9 +23,9 @@ pub fn plane_wall(mach: f64, theta_rad: f64) -> f64 {
 }
 
 /// Echo of a right-angled corner: `(1 + M cos theta) / (1 - M cos theta)`, with `theta_rad` the angle from the heading
-/// to where the echo comes from, which is the apex seen from halfway between the places of sending and hearing.
+/// to where the echo comes from, which is the apex seen from halfway between the places of emission and reception.
 ///
-/// This is what eq. (3) of the 2024 paper undoes for every echo; for a plane wall it differs in the third order of
+/// Eq. (3) of the 2024 paper inverts this factor for every echo; for a plane wall it differs in the third order of
 /// `mach`.
 pub fn corner(mach: f64, theta_rad: f64) -> f64 {
     (1.0 + mach * theta_rad.cos()) / (1.0 - mach * theta_rad.cos())

@@ -123,8 +123,11 @@ fn borders_fade_without_clicks_and_opposite_orders_add_to_one_corner() {
     let omega = TAU * 5e3;
     let kr = omega * 8f64.sqrt() / AIR.c_mps;
     let expected = omega * AIR.rho_kgpm3 / 4.0 * (2.0 / (std::f64::consts::PI * kr)).sqrt();
-    let heard = line(&corner, 5e3, 0.02).0;
-    assert!((heard / expected - 1.0).abs() < 1e-4, "{heard} {expected}");
+    let recorded = line(&corner, 5e3, 0.02).0;
+    assert!(
+        (recorded / expected - 1.0).abs() < 1e-4,
+        "{recorded} {expected}"
+    );
 }
 
 #[test]
@@ -160,7 +163,7 @@ fn the_direct_sound_is_an_option_and_never_infinite() {
     let (walls, tone) = (Reflectors::new([]), tone(5e3));
     let rest = |_: f64| [0.0, 0.0];
     let beside = |_: f64| [0.5, 0.0];
-    let heard = |receiver_at: PositionAt<'_>, include_direct| {
+    let recorded = |receiver_at: PositionAt<'_>, include_direct| {
         let pair = PlanePair {
             source_at: &rest,
             receiver_at,
@@ -173,9 +176,9 @@ fn the_direct_sound_is_an_option_and_never_infinite() {
         let signal = synthesize_pair(&walls, &pair, &tone, &AIR, RATE_HZ, &options);
         signal.iter().fold(0.0_f32, |most, s| most.max(s.abs()))
     };
-    assert_eq!(heard(&rest, true), 0.0);
-    assert_eq!(heard(&beside, false), 0.0);
-    assert!(heard(&beside, true) > 0.0);
+    assert_eq!(recorded(&rest, true), 0.0);
+    assert_eq!(recorded(&beside, false), 0.0);
+    assert!(recorded(&beside, true) > 0.0);
 }
 
 #[test]

@@ -7,8 +7,8 @@ use crate::rays::{Reflectors, fade};
 use fdtd::grid::Medium;
 use std::f64::consts::{PI, TAU};
 
-/// Spacing of the times at which delays are solved, in seconds. Between them a cubic errs by less than a nanosecond for
-/// anything a robot does.
+/// Spacing of the times at which delays are solved, in seconds. Between them a cubic errs by less than a nanosecond at
+/// a robot's accelerations.
 const NODE_S: f64 = 1e-3;
 
 /// Delay nodes per evaluation of the visibility.
@@ -17,7 +17,7 @@ const NODES_PER_VIEW: usize = 10;
 /// Half the interval over which velocities are taken, in seconds.
 const VELOCITY_S: f64 = 1e-4;
 
-/// Shortest path that sounds, in metres.
+/// Shortest path with a finite level, in metres.
 const NEAREST_M: f64 = 1e-3;
 
 /// The delay and gain of one face sequence at evenly spaced times.

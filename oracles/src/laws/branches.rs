@@ -5,14 +5,14 @@
 //! and 10 kHz.
 //! Formula: `(Z cos - rho c)/(Z cos + rho c)` with the complex Z of branches `R + i omega L + 1/(i omega C)` in
 //! parallel.
-//! Bias: as there: what the surface adds to a real impedance, and the scheme's own error of the group velocity. The
+//! Bias: as there: the surface's error at a real impedance, and the scheme's own error of the group velocity. The
 //! step has tangents in place of frequencies (2.3 % at 10 kHz), which detunes resonances.
 //! Tolerance: 0.02 at 2 kHz and for a resistance, otherwise [`TOLERANCES`], wherever the wall lies in the cells, up to
 //! a Courant number of 0.58; slf up to 4 kHz only. It was 0.02 for all while a fit to each surface changed inertances
 //! and stiffnesses.
 
 use super::conditions::Conditions;
-use super::impedance::{heard, is_held, sine};
+use super::impedance::{is_held, recorded, sine};
 use super::measurement::{Depth, Measurement, named};
 use super::setting::Setting;
 use fdtd::Error;
@@ -99,11 +99,11 @@ pub fn largest(
     let conditions = &setting.conditions;
     let mut most = [0.0_f64; 6];
     for &mode in modes {
-        let rigid = heard(setting, scheme, frequency_hz, mode, place, None);
+        let rigid = recorded(setting, scheme, frequency_hz, mode, place, None);
         let cos = (1.0 - sine(frequency_hz, mode).powi(2)).sqrt();
         for (most, (_, impedance)) in most.iter_mut().zip(walls_in(conditions)) {
             let end = Some(&impedance);
-            let found = heard(setting, scheme, frequency_hz, mode, place, end) / rigid;
+            let found = recorded(setting, scheme, frequency_hz, mode, place, end) / rigid;
             let ratio = impedance.at(conditions.hz(frequency_hz)) / conditions.air_pasm();
             *most = most.max((found - (ratio * cos - 1.0) / (ratio * cos + 1.0)).norm());
         }

@@ -1,7 +1,7 @@
 //! Media and grids that laws are measured on.
 //!
-//! The papers' grid is one of many, and a scheme may be well there and nowhere else. So each case of a law draws its
-//! conditions ([`super::setting`]). Laws give lengths, times and frequencies as they are on the papers' grid; here they
+//! A scheme may be accurate on the papers' grid and nowhere else. Each case of a law therefore draws its conditions
+//! ([`super::setting`]). Laws give lengths, times and frequencies as they are on the papers' grid; here they
 //! become those with as many cells, periods and cells per wavelength, so that a tolerance means the same everywhere but
 //! for what depends on the Courant number. Frequencies in the names of cases are those on the papers' grid.
 
@@ -103,7 +103,7 @@ impl Conditions {
 
     /// How many times as large the scheme's error of the phase velocity is, for waves that have `hertz` on the papers'
     /// grid, as there: by the dispersion relation, the larger one of those along the axis and the diagonal, and at
-    /// least 1. What a law says of dispersion is to be taken times that.
+    /// least 1. A law's allowance for dispersion is multiplied by it.
     pub fn dispersion(&self, scheme: Scheme, hertz: f64) -> f64 {
         let error = |conditions: &Self| {
             let polynomial = scheme.polynomial(conditions.courant());
@@ -117,8 +117,8 @@ impl Conditions {
         (error(self) / error(&Self::PAPERS)).max(1.0)
     }
 
-    /// Whether walls of an impedance reflect as they do on the papers' grid: [`super::impedance`] says what is at
-    /// larger Courant numbers.
+    /// Whether walls of an impedance reflect as they do on the papers' grid; [`super::impedance`] describes larger
+    /// Courant numbers.
     pub fn has_accurate_impedances(&self) -> bool {
         self.courant() <= 0.58
     }

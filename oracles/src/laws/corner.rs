@@ -99,11 +99,11 @@ pub struct CornerError {
     pub waveform: f64,
     /// Their level, dB.
     pub level_db: f64,
-    /// Waveform against the single echoes alone, relative: what the corner's echo makes.
+    /// Waveform against the single echoes alone, relative: the share of the corner's echo.
     pub without_corner: f64,
 }
 
-/// Records the drive and holds it against its images.
+/// Records the drive and compares it with its images.
 ///
 /// # Errors
 /// When the field becomes non-finite.

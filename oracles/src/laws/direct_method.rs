@@ -25,7 +25,7 @@ use std::f64::consts::TAU;
 
 const SPEED_MPS: f64 = 4.0;
 const RAMP_S: f64 = 3e-3;
-/// Start and end of what is measured.
+/// Start and end of the measured part.
 const WINDOW_S: [f64; 2] = [6e-3, 16e-3];
 const SOURCE_M: [f64; 2] = [0.4012, 0.4 + 0.3 * Conditions::PAPERS.dx_m];
 const RECEIVER_M: [f64; 2] = [0.762, 0.783];
@@ -52,8 +52,8 @@ pub fn level_and_sidebands(
         ramp * (TAU * frequency_hz * t_s).cos()
     };
     let [from, end] = WINDOW_S.map(|t_s| (conditions.s(t_s) / conditions.dt_s).round() as usize);
-    let heard = rig.run(&source, &|_| receiver_m, &strength, end)?;
-    // The tone's quadrature is the tone a quarter period earlier, seen from where the source then was.
+    let recorded = rig.run(&source, &|_| receiver_m, &strength, end)?;
+    // The tone's quadrature is the tone a quarter period earlier, from the source's place at that time.
     let exact = |t_s: f64, earlier_s: f64| {
         let x_m = [
             receiver_m[0] - source_m[0] - speed_mps * earlier_s,
@@ -66,7 +66,7 @@ pub fn level_and_sidebands(
         .map(|n| {
             let t_s = rig.time_s(n);
             let tone = Complex::new(exact(t_s, 0.0), exact(t_s, 0.25 / frequency_hz));
-            tone.conj() * (2.0 * heard[n] / tone.norm_sqr())
+            tone.conj() * (2.0 * recorded[n] / tone.norm_sqr())
         })
         .collect();
     let part = |offset_hz: f64| -> f64 {

@@ -7,10 +7,8 @@
 //! `(1/v) Im[r H1^(2)(k r) / H0^(2)(k r)]` at the far place less that at the near one, v the symbol's group velocity.
 //! The group delay of a recording p is the real part of the transform of `t p` over that of `p`.
 //! Bias: the curvature of the slowness curve changes the near-field term, below 1e-5 here; between axis and diagonal
-//! the phase also travels beside the ray, a second-order effect too small to see with d25 only. The group delay weighs
-//! what arrives late, as the rest that the layers send back. Behind layers of 20 cells, as scenes have them, it is off
-//! by 1.3e-4 at 18 kHz on the papers' grid, and by more at larger Courant numbers (3.4e-4 at 0.65); behind 40 cells by
-//! 5e-5 at all.
+//! the phase also travels beside the ray, a second-order effect too small to see with d25 only. The group delay gives
+//! weight to late arrivals such as the layers' reflection, which is why they are twice as wide here as in scenes.
 //! Tolerance: 1e-4 of the phase velocity, while its own error is up to 2.6 % (slf) and 0.7 % (m13), and 2e-4 of the
 //! group velocity, whose own error is three times as large (1e-4 below 18 kHz); with d25 the phase velocity also within
 //! 0.1 % of the speed of sound to 18 kHz.
@@ -26,7 +24,7 @@ use std::f64::consts::TAU;
 /// Allowed relative errors of phase and group velocity against the dispersion relation.
 pub const TOLERANCES: [f64; 2] = [1e-4, 2e-4];
 
-/// A velocity: what the dispersion relation says, over the speed of sound, and what was measured over that, minus 1.
+/// A velocity by the dispersion relation over the speed of sound, and the measured one over that, minus 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Velocity {
     /// By the dispersion relation, over the speed of sound.
@@ -71,7 +69,7 @@ pub fn velocities(
 ) -> Result<Vec<Velocities>, Error> {
     let conditions = &setting.conditions;
     let c_mps = conditions.medium.c_mps;
-    // As wide as the scheme carries: what comes near its cut-off would trail behind.
+    // As wide as the scheme carries: waves near its cut-off would trail behind.
     let burst = match scheme {
         Scheme::D25 => conditions.burst(9.5e3, 3.5e3),
         Scheme::Slf | Scheme::M13 | Scheme::O13 => conditions.burst(8.5e3, 3e3),

@@ -20,7 +20,7 @@ use std::f64::consts::TAU;
 const STRIDE: usize = 4000;
 const STEPS: usize = 1_000_000;
 
-/// Schemes that are tried; m13 is o13 with other weights.
+/// Schemes that are measured; m13 is o13 with other weights.
 pub const SCHEMES: [Scheme; 3] = [Scheme::Slf, Scheme::O13, Scheme::D25];
 
 /// Largest relative change of the energy, and largest mean over the root mean square.

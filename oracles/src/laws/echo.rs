@@ -6,15 +6,15 @@
 //! [`crate::exact::monopole`].
 //! Bias: as in free field over the echo's way.
 //! Tolerance: 1.2 % of the waveform, 0.02 dB, 0.3 us at 4 kHz (m13); 6 %, 0.06 dB, 4 us at 2 kHz (slf); 4 %, 0.02 dB,
-//! 1.5 us at 4 kHz (d25). Half a cell of error in the wall's place would be 15 us, a wall that takes the pressure
-//! instead of the flow would turn the sign.
+//! 1.5 us at 4 kHz (d25). Half a cell of error in the wall's place would be 15 us, a pressure-release wall would turn
+//! the sign.
 //!
 //! Layout, two walls: 1 m between two parallel walls, a pair in one point anywhere along them that drives from one to
-//! the other at 0.4 m/s; a burst of 10 kHz. Both walls minus each of them plus none leaves what was reflected twice and
-//! more; the window holds the twofold echo alone.
+//! the other at 0.4 m/s; a burst of 10 kHz. Both walls minus each of them plus none leaves echoes of two and more
+//! reflections; the window holds the twofold echo alone.
 //! Formula: its images are 2 m ahead and behind and move with the pair: time scale 1, whatever the speed.
 //! Bias: the two images arrive 14 us apart, which bends the phase of a short burst, and dispersion shifts the burst in
-//! the windows: the images' exact signal goes through the same windows, and both are held against the same pair at
+//! the windows: the images' exact signal goes through the same windows, and both are compared with the same pair at
 //! rest.
 //! Tolerance: 2e-5 (d25), 1e-4 (m13, whose group velocity is 1.2 % low at 10 kHz). One reflection alone has 1 +-
 //! 2.4e-3.
@@ -163,9 +163,9 @@ pub fn parallel_walls(setting: &Setting, scheme: Scheme) -> Result<f64, Error> {
         sum
     };
     let speed_mps = conditions.mps(SPEED_MPS);
-    let heard = turn(&echo(speed_mps)?) * turn(&echo(0.0)?).conj();
+    let recorded = turn(&echo(speed_mps)?) * turn(&echo(0.0)?).conj();
     let expected = turn(&images(speed_mps)) * turn(&images(0.0)).conj();
-    let turned_rad = (heard * expected.conj()).arg();
+    let turned_rad = (recorded * expected.conj()).arg();
     Ok(turned_rad / (omega * window as f64 * conditions.dt_s))
 }
 

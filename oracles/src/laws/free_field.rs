@@ -87,12 +87,12 @@ pub fn error(
     let (source, receiver) = (|t_s| shifted(source, t_s), |t_s| shifted(receiver, t_s));
     let steps = conditions.steps(steps);
     let rig = Rig::open(setting, scheme, 440, 400);
-    let heard = rig.run(&source, &receiver, &strength, steps)?;
+    let recorded = rig.run(&source, &receiver, &strength, steps)?;
     let monopole = burst_on_path(conditions.medium, burst, &strength, &source);
     let expected = rig.exact(&monopole, &receiver, steps);
     Ok([
-        norm(&difference(&heard, &expected)) / norm(&expected),
-        decibels(norm(&heard) / norm(&expected)),
+        norm(&difference(&recorded, &expected)) / norm(&expected),
+        decibels(norm(&recorded) / norm(&expected)),
     ])
 }
 

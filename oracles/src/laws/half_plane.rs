@@ -3,17 +3,16 @@
 //! Layout: 1.6 m x 1.5 m; a wall one cell thick ends in the middle and runs through the layer; a burst of 2 kHz from
 //! 0.4 m at 60 degrees to the wall, received at 0.32 m from the edge at several angles: where the face reflects, in the
 //! light, at the shadow's border (240 degrees) and down to 20 degrees behind the wall.
-//! Formula: Sommerfeld's half plane in time, [`crate::exact::half_plane`]. What reflects is the wall's face; behind the
-//! wall what counts is its middle. Its edge lies beyond the wall's end: the potential flow round the square end of a
-//! plate of thickness d is, at a distance r, that round an edge further out by
+//! Formula: Sommerfeld's half plane in time, [`crate::exact::half_plane`], which coincides with the wall's face on the
+//! source's side and with its middle behind it. Its edge lies beyond the wall's end: the potential flow round the
+//! square end of a plate of thickness d is, at a distance r, that round an edge further out by
 //! ```text
 //! e = d / (2 pi) (1 + ln(4 pi r / d)),    z = (d / pi) (w sqrt(w^2 - 1) - arcosh w)  (Schwarz and Christoffel)
 //! ```
 //! and the flow turns into waves at `r = 1/k`: 4.1 mm here. With the edge at the wall's end the deep shadow would be
-//! 0.18 rad early, an error of 18 % of the waveform, because the way round the edge is shorter by `e` times the sum of
-//! both cosines.
-//! Bias: what else is of the order of `k d` = 0.18 behind the wall; it halves with the thickness in wavelengths, which
-//! the row with twice the wavelength and all lengths but the thickness doubled shows.
+//! 0.18 rad early, because the path round the edge is shorter by `e` times the sum of both cosines.
+//! Bias: other terms of the order of `k d` = 0.18 behind the wall. They halve with the thickness in wavelengths: one
+//! row has twice the wavelength, and all lengths but the thickness doubled.
 //! Tolerance: 2.5 % and 0.15 dB on the source's side, 6.5 % and 0.55 dB behind the wall, half of that at twice the
 //! wavelength. Without diffraction the shadow would be silent.
 
@@ -72,7 +71,7 @@ pub fn half_plane(
     let rig = Rig::open(setting, scheme, 320 * times, 300 * times)
         .with_walls(|ix, iy| iy == edge[1] && ix >= edge[0]);
     let steps = conditions.steps(920 * times);
-    let heard = rig.run(
+    let recorded = rig.run(
         &|_| from_edge(source_m),
         &|_| from_edge(place_m),
         &strength,
@@ -91,13 +90,13 @@ pub fn half_plane(
             .map(|n| exact.pressure(shifted(place_m), rig.time_s(n)))
             .collect()
     };
-    let heard: Vec<f64> = heard.into_iter().step_by(2).collect();
-    let off = |expected: &[f64]| norm(&difference(&heard, expected)) / norm(expected);
+    let recorded: Vec<f64> = recorded.into_iter().step_by(2).collect();
+    let off = |expected: &[f64]| norm(&difference(&recorded, expected)) / norm(expected);
     let wave_number = TAU * burst.frequency_hz / conditions.medium.c_mps;
     let expected = exact(edge_beyond_m(dx_m, wave_number));
     Ok(Diffraction {
         waveform: off(&expected),
-        level_db: decibels(norm(&heard) / norm(&expected)),
+        level_db: decibels(norm(&recorded) / norm(&expected)),
         naive: off(&exact(0.0)),
     })
 }

@@ -9,9 +9,8 @@
 //! surface's.
 //! Tolerance: 0.02 at 4 kHz (all schemes) and 10 kHz (m13, o13, d25), Z/(rho c) from 0.05 to 20, 0 to 62 and 73
 //! degrees, wherever the wall lies in the cells, up to a Courant number of 0.58. At 13 kHz, and with slf at 10 kHz, it
-//! is shown. Above 0.58 the schemes but slf leave less for the surface's springs (at 0.636 to 0.653 scenes are
-//! refused), and the error grows: 0.017 to 0.025 at 0.594, 0.021 to 0.042 at 0.604, 0.025 to 0.036 at 0.618. There 0.05
-//! is allowed.
+//! is shown. Above 0.58 the schemes but slf leave less for the surface's springs (beyond 0.63 scenes are refused), and
+//! the error grows: 0.05 is allowed there.
 
 use super::conditions::Conditions;
 use super::measurement::{Depth, Measurement, named};
@@ -63,9 +62,9 @@ const START: usize = 160;
 /// Standard deviation of the packet along the duct, in cells.
 const SIGMA: f64 = 37.0;
 
-/// Spectrum at `frequency_hz` on the papers' grid of what comes back of a mode from an end of an impedance, rigid when
+/// Spectrum at `frequency_hz` on the papers' grid of a mode's reflection from an end of an impedance, rigid when
 /// `None`.
-pub(super) fn heard(
+pub(super) fn recorded(
     setting: &Setting,
     scheme: Scheme,
     frequency_hz: f64,
@@ -114,8 +113,7 @@ pub(super) fn heard(
         previous: packet(1.0),
         ..blank
     });
-    // The packet is at the end when the microphone is in silence; then it receives the reflection until that has gone
-    // by.
+    // The packet is at the end when the microphone is in silence; the reflection passes it afterwards.
     let steps = |cells: usize| (cells as f64 / group) as usize;
     field.advance(&rig.silence(steps(END - START)), &mut Vec::new());
     let clear = SIDE + 8..SIDE + width - 8;
@@ -151,12 +149,12 @@ pub fn largest(
 ) -> [f64; 3] {
     let mut most = [0.0; 3];
     for &mode in modes {
-        let rigid = heard(setting, scheme, frequency_hz, mode, place, None);
+        let rigid = recorded(setting, scheme, frequency_hz, mode, place, None);
         let sin = sine(frequency_hz, mode);
         let cos = (1.0 - sin * sin).sqrt();
         for ratio in RATIOS {
             let end = Impedance::Real(ratio * setting.conditions.air_pasm());
-            let found = heard(setting, scheme, frequency_hz, mode, place, Some(&end)) / rigid;
+            let found = recorded(setting, scheme, frequency_hz, mode, place, Some(&end)) / rigid;
             let error = (found - (ratio * cos - 1.0) / (ratio * cos + 1.0)).norm();
             if error > most[0] {
                 most = [error, sin.asin().to_degrees(), ratio];

@@ -69,7 +69,7 @@ impl Measurement {
         }
     }
 
-    /// The relative error of a waveform and that of its level in dB, with what is allowed of both.
+    /// The relative error of a waveform and that of its level in dB, with their tolerances.
     pub fn waveform_and_level(case: &str, measured: [f64; 2], allowed: [f64; 2]) -> [Self; 2] {
         let ([waveform, level_db], [most, most_db]) = (measured, allowed);
         [
@@ -87,7 +87,7 @@ impl Measurement {
         }
     }
 
-    /// Whether the number is in its range; never for what is not a number.
+    /// Whether the number is in its range; never for NaN.
     pub fn passed(&self) -> bool {
         !self.measured.is_nan()
             && self.least.is_none_or(|least| self.measured >= least)
@@ -100,7 +100,7 @@ pub(super) fn schemes() -> impl Iterator<Item = Scheme> {
     Scheme::ALL.into_iter()
 }
 
-/// The name of a case with what it was measured in.
+/// The name of a case with its setting.
 pub(super) fn named(case: &str, setting: &Setting) -> String {
     format!("{case}, {setting}")
 }

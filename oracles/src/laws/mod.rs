@@ -1,5 +1,4 @@
-//! Laws of physics that the field is held against, as measurements: what the tests assert and `echolot validate`
-//! prints.
+//! Laws of physics as measurements of the field, which the tests assert and `echolot validate` prints.
 //!
 //! Each file measures one kind of law and says layout, formula, known bias and tolerance at its top. A measurement is a
 //! number with the range that it may have. Each case draws a medium, a grid and how its layout lies on it

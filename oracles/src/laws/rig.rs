@@ -257,14 +257,14 @@ impl Rig {
 pub struct Swing {
     /// Its amplitude in the field now, over that at the start.
     pub amplitude: f64,
-    /// The phase that it has come to, -pi to pi.
+    /// Its phase now, -pi to pi.
     pub turned_rad: f64,
     /// The field, `[iy, ix]`.
     pub pressure: Vec<f32>,
 }
 
 impl Rig {
-    /// Lets a field swing that starts as the standing wave `shape`, in the grid's order ([`Rig::cells`]), at its
+    /// Runs a field that starts as the standing wave `shape`, in the grid's order ([`Rig::cells`]), at its
     /// largest, of `omega_dt` radians a step.
     pub fn swing(&self, shape: &[f64], omega_dt: f64, steps: usize) -> Swing {
         let mut field = self.field();
@@ -312,7 +312,7 @@ pub fn decibels(ratio: f64) -> f64 {
     20.0 * ratio.log10()
 }
 
-/// Echoes in a recording on a path of a scene, in Pa: `heard` takes the signal from the finished run, with walls and
+/// Echoes in a recording on a path of a scene, in Pa: `recorded` takes the signal from the finished run, with walls and
 /// without.
 ///
 /// # Errors
@@ -321,7 +321,7 @@ pub fn echoes(
     scene: &Scene,
     path: &str,
     waveform: &PeriodicWaveform,
-    heard: impl Fn(&Simulation) -> Vec<f32>,
+    recorded: impl Fn(&Simulation) -> Vec<f32>,
 ) -> Result<Vec<f64>, Error> {
     let run = |free_field: bool| -> Result<Vec<f64>, Error> {
         let options = SimulationOptions {
@@ -331,7 +331,7 @@ pub fn echoes(
         };
         let mut simulation = Simulation::new(scene, path, waveform, &options)?;
         simulation.run(&mut |_, _| Flow::Continue)?;
-        Ok(heard(&simulation).into_iter().map(f64::from).collect())
+        Ok(recorded(&simulation).into_iter().map(f64::from).collect())
     };
     Ok(difference(&run(false)?, &run(true)?))
 }

@@ -1,6 +1,6 @@
 //! Between rigid walls: standing waves, energy, order of convergence.
 //!
-//! Layout, modes: a box of 96 x 64 cells inside solid walls; the field starts as one mode and is left alone for 3000
+//! Layout, modes: a box of 96 x 64 cells inside solid walls; the field starts as one mode and runs freely for 3000
 //! steps (25 ms).
 //! Formula: `cos(pi m (x - x0)/Lx) cos(pi n (y - y0)/Ly) cos(omega t)`; on the grid with `4 sin^2(omega dt/2)` the
 //! scheme's symbol of `4 sin^2(pi m / 2 Nx)` and `4 sin^2(pi n / 2 Ny)`, with the coefficients as they are rounded,
@@ -8,8 +8,7 @@
 //! Bias: dispersion against the continuum, where the restoring quantum's share is taken off (1.7e-4 of the lowest
 //! mode's frequency on the papers' grid, by the Courant number squared more or less elsewhere); against the grid's
 //! formula the constant mode, which is a double sum of rounding errors in `f32`. Where a mode is the same all along one
-//! side, a whole row rounds alike: up to 5e-4 of the mode after 25 ms (d25), at some Courant numbers a hundredth of
-//! that.
+//! side, a whole row rounds alike, and the sum grows faster.
 //! Tolerance: 1e-4 of the amplitude against the grid's formula over up to 170 periods (a phase of 1e-7 of them), 2e-5
 //! for all other modes together, 1e-3 for the mean; the frequency within 0.02 % (m13), 0.06 % (d25) and 0.6 % (slf) of
 //! the continuum's below 5 kHz, or as much more as dispersion is larger than on the papers' grid.
@@ -131,8 +130,8 @@ pub fn mode(setting: &Setting, scheme: Scheme, mode: [f64; 2]) -> Ringing {
     ring(setting, scheme, [96, 64], mode, 3000)
 }
 
-/// How far a mode below 5 kHz may be off the continuum's frequency: as dispersion says, by what it is on the papers'
-/// grid.
+/// Tolerance of the frequency of a mode below 5 kHz against the continuum's, in proportion to the dispersion on the
+/// papers' grid.
 pub fn detuning_allowed(conditions: &Conditions, scheme: Scheme) -> f64 {
     let on_papers_grid = match scheme {
         Scheme::Slf => 6e-3,

@@ -3,11 +3,11 @@
 //! Layout, cylinder: a closed wall of 180 chords (10 mm, two cells) whose surface has a radius of 0.3 m, with its axis
 //! in three places of a cell; a burst of 10 kHz from 0.42 m before the surface in the direction of 0, 10, 30 and 45
 //! degrees. Received 0.38 m before it on the same line, less a run without the cylinder: the echo. Received 0.1 m from
-//! the surface 120 degrees round the axis: in the shadow, 8.7 dB weaker, where the sound has crept along the wall.
+//! the surface 120 degrees round the axis: in the shadow, reached by the creeping wave.
 //! Formula: the series of a rigid cylinder, [`crate::exact::cylinder`].
 //! Bias: dispersion on the way, which is not the wall's; the reference is the field itself in an open grid, for the
-//! echo 0.8 m from the source towards the axis, for the shadow where the microphone is, times what the series says of
-//! the ratio.
+//! echo 0.8 m from the source towards the axis, for the shadow where the microphone is, times the ratio by
+//! the series.
 //! Tolerance: 0.3 dB and 2 us for the echo, 0.6 dB and 2 us in the shadow (m13, o13, d25). Stairs are shown beside it.
 //!
 //! Layout, room: the same wall seen from within, radius 0.3 m; the field starts as one standing wave and is left alone
@@ -49,7 +49,7 @@ pub const MODES: [(i32, usize); 6] = [(0, 1), (1, 1), (3, 2), (0, 6), (5, 4), (1
 /// Largest relative error of a standing wave's frequency.
 pub const DETUNING: f64 = 2e-4;
 
-/// Schemes that are held to it; slf is shown.
+/// Schemes that the tolerance applies to; slf is shown.
 pub const SCHEMES: [Scheme; 3] = [Scheme::M13, Scheme::O13, Scheme::D25];
 
 /// Places of the axis in a cell.
@@ -100,7 +100,7 @@ pub fn cylinder(
     let (bearing, round) = (bearing_deg.to_radians(), round_deg.to_radians());
     let radius = conditions.m(RADIUS_M);
     let source = radius + conditions.m(0.42);
-    let heard = radius + conditions.m(if echo { 0.38 } else { 0.1 });
+    let recorded = radius + conditions.m(if echo { 0.38 } else { 0.1 });
     let source_m = at(axis_m, source, bearing);
     let burst = conditions.burst(FREQUENCY_HZ, 1000.0);
     let longest_s = conditions.m(if echo { 0.8 } else { 1.8 }) / conditions.medium.c_mps;
@@ -113,11 +113,11 @@ pub fn cylinder(
             steps,
         )
     };
-    let microphone_m = at(axis_m, heard, bearing + round);
+    let microphone_m = at(axis_m, recorded, bearing + round);
     let measured = hear(&walled, microphone_m)?;
     let alone = hear(&open, microphone_m)?;
     let k = TAU * burst.frequency_hz / conditions.medium.c_mps;
-    let series = scattered(k * radius, [k * source, k * heard], round);
+    let series = scattered(k * radius, [k * source, k * recorded], round);
     // The measured signal, its reference, and their ratio by the series.
     let (measured, reference, exact) = if echo {
         let way = conditions.m(0.8);
@@ -194,7 +194,7 @@ fn detuned_at(
     let mut shape = rig.cells(|ix, iy| {
         let x_m = rig.centre_m(ix, iy);
         let [x, y] = [x_m[0] - axis_m[0], x_m[1] - axis_m[1]];
-        // Cells that the wall cuts have their middle up to a cell beyond it; what lies behind the wall is another room.
+        // Cells that the wall cuts have their middle up to a cell beyond it; beyond the wall is another room.
         if x.hypot(y) > radius_m + conditions.dx_m {
             return 0.0;
         }

@@ -30,7 +30,7 @@ pub struct Setting {
     pub turn: Turn,
     /// Cells that the domain has beyond the layout along its x and y, fewer than 8.
     pub more_cells: [usize; 2],
-    /// Where between their ends places are that are free along x and y, 0 to 1.
+    /// Free places along x and y, 0 to 1 from one end to the other.
     pub share: [f64; 2],
 }
 

@@ -6,7 +6,7 @@
 //! the 0.1 s before.
 //! Bias: the field's numbers end at 1e-20 Pa, which flushing steps set to zero.
 //! Tolerance: no growth of the sum of squares; -100 dB of the burst's at the end. Beside it a constant pressure, which
-//! no wave carries away and the layers must take: -40 dB after two seconds.
+//! no wave carries away and the layers must absorb: -40 dB after two seconds.
 
 use rayon::prelude::*;
 

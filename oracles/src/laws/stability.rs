@@ -2,12 +2,12 @@
 //!
 //! Layout: a room of 16 cells between layers of 8 to 32: open, with one wall, a closed right-angled corner, a slanted
 //! wall in cut cells, or a slanted wall of an impedance; Courant numbers from 0.2 to the scheme's limit (with an
-//! impedance, to what a scene may have).
+//! impedance, to the limit of scenes).
 //! Formula: the step in `f64` with the weights as both engines have them in `f32` ([`PreciseField`]) starts from noise
-//! on a constant. What layers remember decays by `alpha` in time; of what is left then, slow swings in the corners of
-//! the layers and whatever grows, the largest eigenvalue is that of the step on the space of this state and its images
+//! on a constant. The memory of the layers decays with the rate `alpha`. Slow modes in the corners of the layers and
+//! growing modes remain; the largest eigenvalue is that of the step on the space spanned by this state and its images
 //! after some steps each (Arnoldi).
-//! Bias: a mode that the start does not hold is not seen; noise holds all.
+//! Bias: a mode that the initial state does not contain is missed; noise contains all.
 //! Tolerance: spectral radius at most 1 + 1e-12.
 
 use rayon::prelude::*;
@@ -26,7 +26,7 @@ const ROOM: usize = 16;
 const DX_M: f64 = 0.005;
 const DT_S: f64 = 1.0 / 120_000.0;
 const RHO_KGPM3: f64 = 1.2;
-/// Times of decay by the layers' frequency shift that the field is left alone.
+/// Initial free steps, in time constants of the layers' frequency shift.
 const DECAYS: f64 = 6.0;
 /// Vectors of the space in which the largest eigenvalue is looked for.
 const VECTORS: usize = 24;
@@ -37,7 +37,7 @@ pub const LAYERS: [usize; 4] = [8, 16, 24, 32];
 /// Courant numbers of each scheme, room and width of layer when all are measured: each case has its own.
 pub const COURANTS: usize = 200;
 
-/// Steps from one vector of the space to the next: a seventh of a radian of the slowest swing there can be.
+/// Steps from one vector of the space to the next: a seventh of a radian of the slowest possible mode.
 const STRIDE: usize = 400;
 
 /// Walls in the room.
@@ -171,7 +171,7 @@ pub fn setup(
 pub fn growth(setup: FieldSetup, courant: f64, turn: usize) -> f64 {
     let cells = setup.nx * setup.ny;
     let mut field = PreciseField::new(setup);
-    // A constant, the mode that layers hold least, with noise of all wavelengths on it.
+    // A constant, the mode that layers damp least, with noise of all wavelengths on it.
     let mut noise = 0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(turn as u64 + 1);
     let start: Vec<f64> = (0..cells)
         .map(|_| {
@@ -207,7 +207,7 @@ fn log_spectral_radius(start: Vec<f64>, mut map: impl FnMut(&[f64]) -> Vec<f64>)
     let mut hessenberg = vec![[0.0; VECTORS]; VECTORS];
     for column in 0..VECTORS {
         let mut image = map(&basis[column]);
-        // Twice, for what the first round leaves by its roundings.
+        // Twice, because of rounding errors of the first round.
         for _ in 0..2 {
             for (row, vector) in basis.iter().enumerate() {
                 let part = dot(vector, &image);
@@ -225,7 +225,7 @@ fn log_spectral_radius(start: Vec<f64>, mut map: impl FnMut(&[f64]) -> Vec<f64>)
         hessenberg[column + 1][column] = length;
         basis.push(vector);
     }
-    // By squaring: H^(2^k) has the length radius^(2^k), times what does not matter for large k.
+    // By squaring: H^(2^k) has the norm radius^(2^k), up to a factor that does not matter for large k.
     let mut power: Vec<Vec<f64>> = hessenberg.iter().map(|row| row.to_vec()).collect();
     let mut log = 0.0;
     let mut weight = 1.0;

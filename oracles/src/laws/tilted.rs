@@ -1,20 +1,20 @@
-//! Echoes of walls that lie across the grid: place, level, and what they scatter where no echo belongs.
+//! Echoes of walls that lie across the grid: place, level, and scatter between echoes.
 //!
 //! Layout, echo: a rigid wall of 1.6 m, tilted against the grid by 3, 10, 12 and 30 degrees and moved through the cells
 //! in three steps; source and microphone 0.42 m and 0.38 m in front of its middle on one line across it. A run without
-//! the wall is subtracted; what the ends of the wall diffract arrives 2.9 ms after the echo, when the burst of 10 kHz
-//! is over.
+//! the wall is subtracted; the diffraction at the ends of the wall arrives 2.9 ms after the echo, when the burst of
+//! 10 kHz is over.
 //! Formula: the image source lies 0.8 m from the microphone in the direction across the wall, whatever its tilt.
 //! Bias: dispersion over these 0.8 m, which is not the wall's. The reference is therefore the field itself: an open
 //! grid with the microphone 0.8 m from the source in that direction.
-//! Tolerance: 0.3 dB and 2 us at each place of the wall; 0.5 dB at 12 degrees, where what is left of the error repeats
-//! every 80 mm along the wall (tan 12 degrees is nearly 3/14), leaves in a direction of its own and beats with the
-//! echo. The staircase is shown beside.
+//! Tolerance: 0.3 dB and 2 us at each place of the wall; 0.5 dB at 12 degrees, where the remaining error repeats every
+//! 80 mm along the wall (tan 12 degrees is nearly 3/14), leaves as an order of that grating and beats with the echo.
+//! The staircase is shown beside.
 //!
 //! Layout, scatter: a wall of 2.4 m tilted by 12 degrees, source and microphone in one point 0.45 m in front of it.
-//! Formula: a plane sends back one echo, from the foot of the perpendicular; between it and what the ends diffract (4.8
-//! ms later) comes nothing. Stairs repeat every 24 mm along such a wall and send 10 kHz back from where it is met at 45
-//! degrees, 1.1 ms after the echo.
+//! Formula: a plane returns one echo, from the foot of the perpendicular; between it and the diffraction at the ends
+//! (4.8 ms later) there is silence. Stairs repeat every 24 mm along such a wall and return 10 kHz from where it is met
+//! at 45 degrees, 1.1 ms after the echo.
 //! Bias: none; the line source's tail is far below the band.
 //! Tolerance: the signal from 0.75 ms to 3.75 ms after the echo is at least 20 dB weaker than with stairs.
 
@@ -38,7 +38,7 @@ pub const TILTS: [(f64, [f64; 2]); 4] = [
     (30.0, [0.3, 2e-6]),
 ];
 
-/// Schemes that are held to it; slf is shown.
+/// Schemes that the tolerances apply to; slf is shown.
 pub const SCHEMES: [Scheme; 3] = [Scheme::M13, Scheme::O13, Scheme::D25];
 
 /// A wall with its face across a line.

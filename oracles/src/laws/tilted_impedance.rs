@@ -8,17 +8,17 @@
 //! `R + i R''/(2 k r)` (the next term of the stationary phase; the second derivative is that by the angle).
 //!
 //! The place of the wall in the cells changes along a slanted wall, which acts as a grating: it sends a part of the
-//! wave in directions of its own, of which some comes back to the microphone from another part of the wall (at 10
-//! degrees from where it is met at 36). That is not the reflection factor, which belongs to the mirror's direction. The
-//! mirrored part is the one that does not turn with the grating: when the wall moves by a part of a cell, the grating's
-//! orders turn by so many parts of a circle, and the mean over six places leaves them out up to the fifth. So walls
-//! whose cells repeat after many cells only ([`SLANTS`]) are held to the mean, and with wider limits in each single
-//! place, where the grating's part is in. Along walls of a simple slope ([`SLOPES`]) all surface elements lie in one of
-//! few places, each place is a wall of its own, and the largest error of all is held.
-//! Bias: what the ends diffract comes 2 ms later, when the burst is over. The rigid wall's own error is in both and not
-//! counted. Its echo should be the same in all places, and is held to that along walls of a simple slope, where it
-//! would change by 0.13 (slope 1 to 1, met at 45 degrees) without what `walls/slant.rs` does.
-//! Tolerance: 0.02 for the mean (m13, o13, d25), for single places what was measured and up to a third more; Z/(rho c)
+//! wave into diffraction orders, of which some return to the microphone from another part of the wall (at 10 degrees
+//! from where it is met at 36). That is not the reflection factor, which is the order zero. Only this order
+//! keeps its phase when the wall moves: by a part of a cell, the order n turns by n times that part of a circle, and
+//! the mean over six places cancels the orders up to the fifth. The tolerance of walls whose cells repeat after many
+//! cells only ([`SLANTS`]) is therefore one of the mean, with wider limits in each single place, which contains the
+//! orders. Along walls of a simple slope ([`SLOPES`]) all surface elements lie in one of few places, and the tolerance
+//! is that of the largest error of all places.
+//! Bias: the diffraction at the ends comes 2 ms later, when the burst is over. The rigid wall's own error is in both
+//! and not counted. Its echo should be the same in all places, which is tested along walls of a simple slope (see
+//! `walls/slant.rs`).
+//! Tolerance: 0.02 for the mean (m13, o13, d25), for single places up to a third above the measured error; Z/(rho c)
 //! from 0.05 to 20. It was 0.02 for single places of [`SLOPES`] too while each of these slopes had weights of its own.
 
 use super::conditions::Conditions;
@@ -42,8 +42,8 @@ const DISTANCE_M: f64 = 0.4;
 /// Impedances over that of the air.
 pub const RATIOS: [f64; 5] = [0.05, 0.2, 1.0, 5.0, 20.0];
 
-/// Tilts in degrees at which the mean over places is held to [`TOLERANCE`], and what the factor may be off in a single
-/// place at normal incidence and at 45 degrees.
+/// Tilts in degrees at which [`TOLERANCE`] applies to the mean over places, and the tolerance in a single place at
+/// normal incidence and at 45 degrees.
 pub const SLANTS: [(f64, [f64; 2]); 8] = [
     (3.0, [0.02, 0.02]),
     (10.0, [0.05, 0.05]),
@@ -58,15 +58,15 @@ pub const SLANTS: [(f64, [f64; 2]); 8] = [
 /// Tolerance of the reflection factor in the mean over places.
 pub const TOLERANCE: f64 = 0.02;
 
-/// Tilts in degrees of slopes of 1 to 3, 1 to 2 and 1 to 1, and what the factor may be off in any place at normal
-/// incidence and at 45 degrees.
+/// Tilts in degrees of slopes of 1 to 3, 1 to 2 and 1 to 1, and the tolerance in any place at normal incidence and at
+/// 45 degrees.
 pub const SLOPES: [(f64, [f64; 2]); 3] = [
     (18.434_948_822_922, [0.04, 0.04]),
     (26.565_051_177_078, [0.06, 0.06]),
     (45.0, [0.055, 0.095]),
 ];
 
-/// By how much the echo of a rigid wall of one of [`SLOPES`] may be off its mean in any place.
+/// Largest deviation of the echo of a rigid wall of one of [`SLOPES`] from its mean over places.
 pub const STRAY: f64 = 0.03;
 
 /// Places of a wall in the cells: parts of a cell by which it is moved along the grid's axis nearest to its normal.
@@ -75,7 +75,7 @@ pub const PLACES: [f64; 6] = [0.0, 1.0 / 6.0, 1.0 / 3.0, 0.5, 2.0 / 3.0, 5.0 / 6
 /// Tangents of the angles of incidence, and these in degrees.
 const INCIDENCES: [(f64, usize); 2] = [(0.0, 0), (1.0, 45)];
 
-/// Schemes that are held to it.
+/// Schemes that the tolerances apply to.
 pub const SCHEMES: [Scheme; 3] = [Scheme::M13, Scheme::O13, Scheme::D25];
 
 /// Echoes of a wall in one place: rigid, and with the impedances of [`RATIOS`].
@@ -88,7 +88,7 @@ pub struct Errors {
     pub mean: [f64; RATIOS.len()],
     /// The largest of all places.
     pub largest: [f64; RATIOS.len()],
-    /// By how much the rigid wall's echo is off its mean in any place, over it.
+    /// Largest deviation of the rigid wall's echo from its mean over places, relative.
     pub stray: f64,
 }
 
@@ -133,8 +133,8 @@ pub fn errors(
     })
 }
 
-/// By how much the echo of a rigid wall that is tilted by `tilt_deg` is off its mean in any of some of [`PLACES`], over
-/// it; the tangent is that of the angle of incidence.
+/// Largest deviation of the echo of a rigid wall that is tilted by `tilt_deg` from its mean over some of [`PLACES`],
+/// relative; the tangent is that of the angle of incidence.
 ///
 /// # Errors
 /// When the field becomes non-finite.
@@ -154,7 +154,7 @@ pub fn stray(
     Ok(off_mean(&places.collect::<Result<Vec<_>, Error>>()?))
 }
 
-/// By how much any of some numbers is off their mean, over it.
+/// Largest deviation of numbers from their mean, relative.
 fn off_mean(numbers: &[Complex<f64>]) -> f64 {
     let mean = numbers.iter().sum::<Complex<f64>>() / numbers.len() as f64;
     let off = numbers
@@ -163,7 +163,7 @@ fn off_mean(numbers: &[Complex<f64>]) -> f64 {
     off.fold(0.0, f64::max)
 }
 
-/// By how much echoes over the rigid wall's miss the formula.
+/// Differences between echoes over the rigid wall's and the formula.
 fn off(echoes: &Echoes, tangent: f64) -> [f64; RATIOS.len()] {
     let cos = 1.0 / tangent.hypot(1.0);
     std::array::from_fn(|i| {

@@ -2,7 +2,7 @@
 //!
 //! Where two segments share an end, their faces are cut or prolonged to meet at the mitre, so that a closed corner has
 //! its apex where the wall's surface has it and not where the centre lines meet. Where walls overlap otherwise (two
-//! walls drawn into each other, a wall that ends in the middle of another), what lies inside the other wall is cut out.
+//! walls drawn into each other, a wall that ends in the middle of another), parts inside the other wall are cut out.
 
 use super::face::Face;
 use super::plane::{Vec2, add, cross, dot, left_of, length, scale, sub};

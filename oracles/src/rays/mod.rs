@@ -1,7 +1,7 @@
 //! Specular sound rays between two points among rigid walls.
 //!
-//! Ray theory is what the papers lay beside the measured echoes (single, corner and double reflections), and its paths
-//! are what [`crate::image_source`] adds up. Each wall piece reflects on both sides, at its face and not at its centre
+//! The papers compare measured echoes with ray theory (single, corner and double reflections); [`crate::image_source`]
+//! adds up the same paths. Each wall piece reflects on both sides, at its face and not at its centre
 //! line.
 
 mod face;
@@ -104,6 +104,17 @@ impl Default for TraceOptions {
 /// All visible specular paths from `source_m` to `receiver_m` with up to `max_order` reflections, lowest order first;
 /// the direct path is first when no wall is between the points. Two orders of the same walls that give the same image
 /// (a right-angled corner and a pair in one point) count once.
+///
+/// ```
+/// use fdtd::walls::Wall;
+/// use oracles::rays::{Reflectors, TraceOptions, trace};
+///
+/// let wall = Wall { points_m: vec![[0.0, 1.0], [4.0, 1.0]], thickness_m: 0.0, impedance: None };
+/// let paths = trace(&Reflectors::of(&[wall]), [1.0, 0.0], [2.0, 0.0], &TraceOptions::default());
+/// // The direct path, and the one by the wall from the image at y = 2 m.
+/// assert_eq!(paths.len(), 2);
+/// assert!((paths[1].length_m - 5.0_f64.sqrt()).abs() < 1e-12);
+/// ```
 pub fn trace(
     reflectors: &Reflectors,
     source_m: [f64; 2],

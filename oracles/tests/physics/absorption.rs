@@ -1,12 +1,12 @@
-//! Absorption on a recording of the field: a robot drives in front of a wall, sent twice, and its echo loses what its
-//! way takes.
+//! Absorption on a recording of the field: a robot drives in front of a wall, sent twice, and its echo is attenuated
+//! along its path.
 //!
 //! Layout: the rig of [`oracles::laws::corner`] with one of its walls, 0.15 s at 0.4 m/s, noise of 1.5 to 5 kHz; the
 //! free-field run is subtracted. A loss of 0.26 dB/m at all frequencies, so that the exact result is a plain product.
 //! Formula: the way by the image source at each instant, put into the straight line in tau that stands for the
 //! exponential ([`fdtd::medium::absorbed`], where the line itself is held against the exponential).
-//! Bias: the way is that of the moment of hearing, not of the bounce: 1 mm; what a period changes of tau; dispersion
-//! 0.1 %.
+//! Bias: the path is that of the moment of reception, not of the reflection: 1 mm; the change of tau during a period;
+//! dispersion 0.1 %.
 //! Tolerance: 0.01 dB and 0.2 % of a loss of 0.3 dB; image sources within 0.05 dB of the field.
 
 use fdtd::medium::absorbed::Stamped;
@@ -79,24 +79,24 @@ fn an_echo_of_the_field_loses_what_its_way_takes() {
         let absorbed = absorb(&plain, &hear(free, true));
         [plain, absorbed]
     });
-    // The straight line is not exact; what it says of the known way is.
+    // The straight line is not exact, but its value for the known path is.
     let [first, slope] = fdtd::medium::absorbed::straight_line(alpha * c_mps, longest_m / c_mps);
     let offsets = [
         scene.robot.loudspeaker_offset_m,
         scene.robot.microphone_offset_m,
     ];
     let (from, to) = (1400, 5600);
-    let (mut heard, mut expected) = (Vec::new(), Vec::new());
+    let (mut recorded, mut expected) = (Vec::new(), Vec::new());
     for k in from..to {
         let t_s = k as f64 / scene.sample_rate_hz;
         let [[sx, sy], [rx, ry]] = offsets.map(|offset_m| path.point_at(t_s, offset_m));
         let way_m = (conditions.m(2.6) - sx - rx).hypot(sy - ry);
         let echo = |signals: usize| f64::from(walled[signals][k] - open[signals][k]);
-        heard.push(echo(1));
+        recorded.push(echo(1));
         expected.push(echo(0) * (first - slope * way_m / c_mps));
     }
-    let level_db = decibels(norm(&heard) / norm(&expected));
-    let off: Vec<f64> = heard.iter().zip(&expected).map(|(a, b)| a - b).collect();
+    let level_db = decibels(norm(&recorded) / norm(&expected));
+    let off: Vec<f64> = recorded.iter().zip(&expected).map(|(a, b)| a - b).collect();
     let waveform_off = norm(&off) / norm(&expected);
     println!("absorption on the field: level {level_db:+.4} dB, waveform {waveform_off:.5}");
     assert!(level_db.abs() < 0.01 && waveform_off < 2e-3);
@@ -118,7 +118,7 @@ fn an_echo_of_the_field_loses_what_its_way_takes() {
     };
     let absorbed = absorb(&image(false), &image(true));
     let (found, field): (Vec<f64>, Vec<f64>) = (from..to)
-        .map(|k| (f64::from(absorbed[k]), heard[k - from]))
+        .map(|k| (f64::from(absorbed[k]), recorded[k - from]))
         .unzip();
     let level_db = decibels(norm(&found) / norm(&field));
     println!("image sources over field: {level_db:+.4} dB");

@@ -5,9 +5,9 @@
 //! and compliances are from 1e-6 to 1e6 times those with the air's impedance at 10 kHz, or none.
 //! Formula: the energy of the field, of the air before the surfaces and of the branches never grows.
 //! Bias: the sum of squares is not the energy, which goes back and forth between the field and masses and springs in
-//! the walls. Slow ones give back what they got when all else has died away.
+//! the walls. Slow ones return their energy after the field has decayed.
 //! Tolerance: the largest sum of squares in 330 steps after 3000 is at most 1.5 times that during the burst; between
-//! any walls, where few modes beat, three times after 6000 steps (1.53 in 1200 boxes). What makes energy overflows.
+//! any walls, where few modes beat, three times after 6000 steps. With an active wall it overflows.
 //!
 //! A branch with nothing but a resistance is the same wall as one of that impedance, number by number.
 
@@ -108,7 +108,7 @@ fn no_reactance_makes_energy() {
         vec![[None, Some(0.0), Some(0.0)], [None, None, Some(0.5)]],
         vec![[Some(-6.0), Some(6.0), None], [None, Some(-3.0), Some(3.0)]],
         vec![[Some(-1.0), Some(0.3), Some(-0.3)], [Some(0.0), None, None]],
-        // Slow: what it got from the burst it gives back when all else has died away.
+        // Slow: it returns the burst's energy after the field has decayed.
         vec![[Some(0.0), None, None], [None, Some(4.7), Some(-0.7)]],
     ];
     for scheme in Scheme::ALL {

@@ -28,7 +28,7 @@ fn the_direct_wave_does_not_depend_on_the_place_in_the_cell() {
             rig.spread = spread;
             let middle_m = setting.between([[0.2, 0.3], [0.2, 0.3]]);
             let cell = middle_m.map(|x| (x / conditions.dx_m) as usize);
-            let heard: Vec<Vec<f64>> = places
+            let recorded: Vec<Vec<f64>> = places
                 .iter()
                 .map(|place| {
                     let [x, y] = rig.centre_m(cell[0], cell[1]);
@@ -38,9 +38,9 @@ fn the_direct_wave_does_not_depend_on_the_place_in_the_cell() {
                 })
                 .collect();
             let mean: Vec<f64> = (0..steps)
-                .map(|n| heard.iter().map(|signal| signal[n]).sum::<f64>() / 16.0)
+                .map(|n| recorded.iter().map(|signal| signal[n]).sum::<f64>() / 16.0)
                 .collect();
-            let deviation = heard
+            let deviation = recorded
                 .iter()
                 .map(|signal| norm(&difference(signal, &mean)).powi(2) / 16.0)
                 .sum::<f64>()

@@ -1,18 +1,18 @@
-//! Air beyond walls and drive is not simulated, and not missed.
+//! Leaving out air beyond walls and drive does not change the signal.
 //!
 //! Layout: 2 m x 1.6 m with much air around a slanted rigid wall, one of two branches and a robot between them at 0.4
 //! m/s for 60 ms; a code on a carrier of 10 kHz, up to 14 kHz; all schemes, whole and cut cells.
 //! Formula: absorbing layers stand for air without end wherever they begin, so that the domain around walls and drive
-//! gives what the scene's does.
+//! gives the signal of the scene's.
 //! Bias: the layers' reflection, nearer and at other angles (-66 to -85 dB of the echoes).
 //! Tolerance: the difference of the two signals below -60 dB of the echoes' rms. Threads, engine and interruptions, and
-//! all that is left out of a closed room with thick walls: none, bit for bit.
+//! everything outside a closed room with thick walls: none, bit for bit.
 
 use std::collections::BTreeMap;
 
 use crate::rig::{
-    Setting, assert_foreign, code_on_carrier, decibels, difference, engine, handed_over, heard,
-    norm, run_to,
+    Setting, assert_foreign, code_on_carrier, decibels, difference, engine, handed_over, norm,
+    recorded, run_to,
 };
 use fdtd::grid::Grid;
 use fdtd::motion::{DrivePath, MotionState};
@@ -94,7 +94,7 @@ fn air_beyond_the_walls_is_not_missed() {
                 simulation(&scene, whole()),
                 simulation(&scene, free),
             ]
-            .map(|simulation| heard(simulation).into_iter().map(f64::from).collect())
+            .map(|simulation| recorded(simulation).into_iter().map(f64::from).collect())
             .map(|signal: Vec<f64>| signal);
             let echoes = norm(&difference(&whole, &free));
             let off_db = decibels(norm(&difference(&cropped, &whole)) / echoes);
@@ -132,7 +132,7 @@ fn what_lies_deep_in_the_walls_of_a_closed_room_and_beyond_is_not_missed_at_all(
                 cropped.cells()
             );
             assert!(
-                heard(cropped) == heard(simulation(&scene, whole())),
+                recorded(cropped) == recorded(simulation(&scene, whole())),
                 "{scheme}, {model}"
             );
         }
@@ -143,15 +143,15 @@ fn what_lies_deep_in_the_walls_of_a_closed_room_and_beyond_is_not_missed_at_all(
 fn threads_engine_and_interruptions_do_not_matter() {
     let scene = scene(Scheme::O13, WallModel::CutCells);
     let with = |threads, reference_engine| simulation(&scene, engine(threads, reference_engine));
-    let alone = heard(with(1, false));
-    assert!(alone == heard(with(3, false)), "threads");
-    assert!(alone == heard(with(1, true)), "reference engine");
+    let alone = recorded(with(1, false));
+    assert!(alone == recorded(with(3, false)), "threads");
+    assert!(alone == recorded(with(1, true)), "reference engine");
 
     let mut first = with(1, false);
     run_to(&mut first, 3000);
     let mut second = with(2, false);
     handed_over(&first, &mut second).expect("its own checkpoint");
-    assert!(alone == heard(second), "interrupted");
+    assert!(alone == recorded(second), "interrupted");
     assert_foreign(&first, &mut simulation(&scene, whole()));
 }
 

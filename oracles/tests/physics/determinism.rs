@@ -89,7 +89,7 @@ fn bytes_with(mut simulation: Simulation, flow: impl Fn(u64) -> Flow) -> Vec<u32
     signal.into_iter().map(f32::to_bits).collect()
 }
 
-fn heard(scheme: Scheme, path: &DrivePath, options: &SimulationOptions) -> Vec<u32> {
+fn recorded(scheme: Scheme, path: &DrivePath, options: &SimulationOptions) -> Vec<u32> {
     let waveform = waveform(&setting(scheme).conditions);
     let scene = scene(scheme, path.clone());
     bytes(Simulation::new(&scene, "drive", &waveform, options).expect("a valid scene"))
@@ -151,11 +151,11 @@ fn at_rest_is_zero_velocity() {
             "{scheme}: uniform drive of zero speed"
         );
         assert!(
-            at_rest == heard(scheme, &legs, &options),
+            at_rest == recorded(scheme, &legs, &options),
             "{scheme}: legs of zero speed"
         );
         assert!(
-            at_rest == heard(scheme, &sampled, &options),
+            at_rest == recorded(scheme, &sampled, &options),
             "{scheme}: equal poses"
         );
     }
@@ -173,7 +173,7 @@ fn threads_and_engine_do_not_matter() {
                 reference_engine,
                 ..SimulationOptions::default()
             };
-            heard(scheme, &path, &options)
+            recorded(scheme, &path, &options)
         };
         let alone = with(1, false);
         for threads in [2, 3, 7] {

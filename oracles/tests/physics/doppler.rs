@@ -64,7 +64,7 @@ fn check(scheme: Scheme, frequency_hz: f64, theta_rad: f64) {
     let (frequency_hz, ramp_s) = (conditions.hz(frequency_hz), conditions.s(5e-3));
     let steps = conditions.steps(STEPS);
     let pair = |t_s: f64| [start_m[0] + v_mps[0] * t_s, start_m[1] + v_mps[1] * t_s];
-    // Switched on over 5 ms: no onset transient in what is measured.
+    // Switched on over 5 ms: no onset transient in the measured part.
     let strength = |t_s: f64| {
         let ramp = 0.5 - 0.5 * (TAU * 0.5 * (t_s / ramp_s).clamp(0.0, 1.0)).cos();
         1e-2 * ramp * (TAU * frequency_hz * t_s).sin()

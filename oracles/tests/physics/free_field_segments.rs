@@ -1,9 +1,9 @@
-//! A free-field drive in segments of time sounds like the same drive in one domain.
+//! A free-field drive in segments of time gives the signal of the same drive in one domain.
 //!
 //! Layout: 1.2 m x 1 m without walls; a robot at 0.9 m/s on a curve for 0.3 s with the microphone at the loudspeaker or
 //! 0.1 m ahead of it; a code on a carrier of 10 kHz, up to 14 kHz; schemes slf and o13, kaiser12.
-//! Formula: without walls nothing comes back, so that a domain around where the drive is now gives what one around the
-//! whole drive does.
+//! Formula: without walls there are no echoes, so that a domain around the drive's present place gives the signal of
+//! one around the whole drive.
 //! Bias: the layers, which are nearer in a segment (-90 dB; slf with the microphone apart -80 dB). Rounding errors of
 //! both runs wander at a few hertz, far below the band, -65 dB and less of the direct wave.
 //! Tolerance: the difference less its mean over 1 ms around it, in every 2.5 ms, below -70 dB of the direct wave's rms;
@@ -12,7 +12,7 @@
 use std::collections::BTreeMap;
 
 use crate::rig::{
-    Setting, assert_foreign, code_on_carrier, decibels, engine, handed_over, heard, run_to,
+    Setting, assert_foreign, code_on_carrier, decibels, engine, handed_over, recorded, run_to,
 };
 use fdtd::grid::Grid;
 use fdtd::motion::{DriveLimits, DrivePath, MotionState, VelocityCommand};
@@ -99,7 +99,7 @@ fn segments_sound_like_the_whole() {
                 segments.steps_total() > whole.steps_total() && segments.cells() < whole.cells(),
                 "{scheme}: one segment"
             );
-            let (joined, whole) = (heard(segments), heard(whole));
+            let (joined, whole) = (recorded(segments), recorded(whole));
             assert_eq!(joined.len(), whole.len());
             let direct = rms(&whole.iter().map(|&p| f64::from(p)).collect::<Vec<_>>());
             let difference: Vec<f64> = joined
@@ -133,16 +133,16 @@ fn a_short_drive_is_one_piece() {
     let segments = simulation(&scene, SimulationOptions::default());
     let whole = simulation(&scene, undivided());
     assert_eq!(segments.steps_total(), whole.steps_total());
-    assert!(heard(segments) == heard(whole));
+    assert!(recorded(segments) == recorded(whole));
 }
 
 #[test]
 fn threads_engine_and_interruptions_do_not_matter() {
     let scene = scene(Scheme::O13, 0.1, 0.2);
     let with = |threads, reference_engine| simulation(&scene, engine(threads, reference_engine));
-    let alone = heard(with(1, false));
-    assert!(alone == heard(with(3, false)), "threads");
-    assert!(alone == heard(with(1, true)), "reference engine");
+    let alone = recorded(with(1, false));
+    assert!(alone == recorded(with(3, false)), "threads");
+    assert!(alone == recorded(with(1, true)), "reference engine");
 
     // At the end of a segment, in a warm-up, while one fades in, and a little later.
     let mut ends = Vec::new();
@@ -168,7 +168,7 @@ fn threads_engine_and_interruptions_do_not_matter() {
         let (columns, rows, frame) = second.pressure_frame();
         assert_eq!(frame.len(), columns * rows);
         assert!(frame == first.pressure_frame().2);
-        assert!(alone == heard(second), "interrupted at step {end}");
+        assert!(alone == recorded(second), "interrupted at step {end}");
     }
     let mut first = with(1, false);
     run_to(&mut first, 256);

@@ -25,7 +25,7 @@ fn the_resonance_behind_gaps_does_not_grow() {
         dx_m: 5.0 / 300.0,
         dt_s: scene.grid.dt_s,
     };
-    // slf has nothing that a layer could leave unstretched, o13 is m13 with other weights.
+    // slf has no fourth-order part, o13 is m13 with other weights.
     for scheme in [Scheme::M13, Scheme::D25] {
         let setting = Setting {
             turn: Turn::NONE,

@@ -1,7 +1,7 @@
 //! The field against laws of physics, one law per file. Each header names the layout, the formula, the known bias and
 //! the tolerance.
 //!
-//! `cargo test --release -p oracles --test physics -- --nocapture` prints what was measured.
+//! `cargo test --release -p oracles --test physics -- --nocapture` prints the measurements.
 
 mod rig;
 

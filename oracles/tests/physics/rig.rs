@@ -61,7 +61,7 @@ pub(crate) fn run_to(simulation: &mut Simulation, step: u64) {
 }
 
 /// Signal of a simulation run to its end.
-pub(crate) fn heard(mut simulation: Simulation) -> Vec<f32> {
+pub(crate) fn recorded(mut simulation: Simulation) -> Vec<f32> {
     run_to(&mut simulation, u64::MAX);
     simulation.signal()
 }

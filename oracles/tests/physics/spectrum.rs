@@ -1,4 +1,4 @@
-//! Whatever the walls, the operator's spectrum stays within what the step allows.
+//! With any walls, the operator's spectrum stays within the limits of the step.
 //!
 //! Layout: the closed rooms of the energy test (whole cells, and a turned box in cut cells), 64 x 64 cells, at the
 //! largest Courant number of each scheme and at half of it.

@@ -1,7 +1,7 @@
 //! No mode of the discrete operator grows, and silence stays silent; see the laws for layout, formula and tolerance.
 //!
 //! Whether the measurement sees a growing mode: the same with the constant mode's stiffness made negative by forty
-//! quanta, more than what the layer holds it with.
+//! quanta, more than the layer's restoring force.
 
 use crate::rig::assert_within;
 use fdtd::scheme::{RESTORING_QUANTUM, Scheme};

@@ -73,6 +73,19 @@ impl<'a> Axes<'a> {
         Ok(())
     }
 
+    /// Draws the frame's outline.
+    fn outline(&self, stroke: Stroke) -> Result<()> {
+        let [left, top, right, bottom] = self.frame;
+        let corners = [
+            [left, top],
+            [right, top],
+            [right, bottom],
+            [left, bottom],
+            [left, top],
+        ];
+        self.canvas.line(&corners, stroke)
+    }
+
     /// Draws frame, ticks, axis labels and title; call after the data.
     ///
     /// # Errors
@@ -80,14 +93,7 @@ impl<'a> Axes<'a> {
     pub fn finish(&self, title: &str) -> Result<()> {
         let [left, top, right, bottom] = self.frame;
         let stroke = Stroke::solid(colour::BLACK, 2.5);
-        let outline = [
-            [left, top],
-            [right, top],
-            [right, bottom],
-            [left, bottom],
-            [left, top],
-        ];
-        self.canvas.line(&outline, stroke)?;
+        self.outline(stroke)?;
         for (value, text) in self.x.ticks(6) {
             let [x, _] = self.pixel(value, self.y.low);
             self.canvas
@@ -281,14 +287,7 @@ impl<'a> Axes<'a> {
             self.canvas.rectangle(edges, colour::ramp(share), 1.0);
         }
         let stroke = Stroke::solid(colour::BLACK, 2.0);
-        let outline = [
-            [left, top],
-            [right, top],
-            [right, bottom],
-            [left, bottom],
-            [left, top],
-        ];
-        self.canvas.line(&outline, stroke)?;
+        bar.outline(stroke)?;
         for (beyond, share, base, tip) in [
             (beyond[0], 0.0, bottom, bottom + 26.0),
             (beyond[1], 1.0, top, top - 26.0),
@@ -309,7 +308,7 @@ impl<'a> Axes<'a> {
                 .text(&text, [right + 13.0, y], (1, 0), TICK, false, false)?;
             widest = widest.max(self.canvas.text_size(&text, TICK, false)[0]);
         }
-        let beside = [right + 20.0 + widest, 0.5 * (top + bottom)];
+        let beside = [right + 28.0 + widest, 0.5 * (top + bottom)];
         self.canvas.text(label, beside, (1, 0), LABEL, false, true)
     }
 }

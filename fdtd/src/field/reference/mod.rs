@@ -13,7 +13,7 @@ use crate::pml::Profile;
 use crate::scheme::Scheme;
 use crate::spread::TAPS;
 
-/// Square root of the restoring quantum: radians a step of what it makes swing.
+/// Square root of the restoring quantum: the angular frequency of a constant pressure in radians a step.
 const SWING: f64 = 3.452_669_830_012_439e-4;
 
 /// Two time levels in plain row order with a rim of zeros.

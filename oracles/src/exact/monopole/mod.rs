@@ -14,7 +14,7 @@ const GAUSS: [[f64; 2]; 4] = [
 
 /// A moving line source with a strength of finite length.
 ///
-/// Its potential is the retarded integral over everything it has sent since, for in the plane every signal has a tail:
+/// Its potential is the retarded integral over the whole past, because in the plane every signal has a tail:
 /// ```text
 /// phi(x, t) = (1/2 pi) int_0^inf q(t_r - s) / sqrt((t - t_r + s)^2 - R(t_r - s)^2 / c^2) ds,    R(t') = |x - x_s(t')|
 /// ```
@@ -34,7 +34,7 @@ pub struct Monopole<'a> {
 }
 
 impl Monopole<'_> {
-    /// Retarded time in seconds: when the source sent what arrives at a point at `t_s` on the straight way.
+    /// Retarded time in seconds: when sound was emitted that arrives at a point at `t_s` along the straight path.
     pub fn sent_at_s(&self, x_m: [f64; 2], t_s: f64) -> f64 {
         let mut sent_s = t_s;
         for _ in 0..200 {

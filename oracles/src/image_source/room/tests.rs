@@ -44,7 +44,7 @@ fn lattice(size_m: [f64; 3], source: [f64; 3], receiver: [f64; 3], order: i32) -
     found
 }
 
-/// A pulse of a few samples' width, so that arrivals can be told apart: harmonics with a Gaussian spectrum.
+/// A pulse of a few samples' width, so that arrivals are separate: harmonics with a Gaussian spectrum.
 fn pulse() -> PeriodicWaveform {
     let samples: Vec<f64> = (0..4000)
         .map(|k| (-((f64::from(k) - 200.0) / 4.0).powi(2)).exp())
@@ -79,7 +79,7 @@ fn a_static_pair_hears_every_image_of_the_lattice_once() {
     assert_eq!(signal.len(), 4000);
     let images = lattice(size, source, receiver, 3);
     assert_eq!(images.len(), 63);
-    for (index, &heard) in signal.iter().enumerate() {
+    for (index, &recorded) in signal.iter().enumerate() {
         let expected: f64 = images
             .iter()
             .map(|&(r, count)| {
@@ -88,8 +88,8 @@ fn a_static_pair_hears_every_image_of_the_lattice_once() {
             })
             .sum();
         assert!(
-            (f64::from(heard) - expected).abs() < 2e-3,
-            "sample {index}: {heard} instead of {expected}"
+            (f64::from(recorded) - expected).abs() < 2e-3,
+            "sample {index}: {recorded} instead of {expected}"
         );
     }
 }

@@ -5,8 +5,8 @@
 //! that of an echo by half a wavelength when the end lies at the border of the echo's first Fresnel zone, and by
 //! nothing when the echo is reflected, or passes, right there: whether an edge diffracts into an echo follows from the
 //! lengths of the ways alone. So all ways are listed here: by walls, and by walls and one end of a wall anywhere among
-//! them. Ends that scatter one after the other are left out: at 8 kHz each takes some 30 dB, but where the second lies
-//! on the border of the first one's rays, and that is what the slack is for.
+//! them. Ends that scatter one after the other are left out: at 8 kHz each takes some 30 dB, except where the second
+//! lies on the border of the first one's rays, which the slack allows for.
 
 use crate::rays::{RayPath, Reflectors, TraceOptions, trace};
 

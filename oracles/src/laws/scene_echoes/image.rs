@@ -1,4 +1,4 @@
-//! An echo of the field held against its image source.
+//! An echo of the field compared with its image source.
 
 use std::f64::consts::TAU;
 
@@ -86,7 +86,7 @@ fn fit_hz(conditions: &Conditions) -> impl Iterator<Item = f64> {
     (0..=((last - first) / step).round() as usize).map(move |k| first + step * k as f64)
 }
 
-/// A frequency in hertz, and what was found and expected there.
+/// A frequency in hertz, and the spectra of field and image there.
 type Pair = (f64, Complex<f64>, Complex<f64>);
 
 /// Weighted phase of `found` over `expected` as level ratio and delay in s: the delay of the phase, or with `envelope`
@@ -120,13 +120,13 @@ fn compare(pairs: &[Pair], envelope: bool) -> [f64; 2] {
     [level, late_s]
 }
 
-/// One echo of the field held against its image.
+/// One echo of the field compared with its image.
 pub(super) fn echo(
     scene: &Scene,
     conditions: &Conditions,
     reflectors: &Reflectors,
     ray: &RayPath,
-    heard: &[f64],
+    recorded: &[f64],
 ) -> Echo {
     let dt_s = conditions.dt_s;
     let arrival_s = ray.length_m / scene.medium.c_mps + burst(conditions).centre_s;
@@ -145,7 +145,7 @@ pub(super) fn echo(
         0.5 + 0.5 * (0.5 * TAU * depth.clamp(0.0, 1.0)).cos()
     };
     let spectrum = |frequency_hz: f64| -> Complex<f64> {
-        let terms = heard.iter().enumerate().map(|(n, &p)| {
+        let terms = recorded.iter().enumerate().map(|(n, &p)| {
             let t_s = n as f64 * dt_s;
             let weight = window(t_s);
             if weight == 0.0 {

@@ -14,9 +14,7 @@
 //! 0.4 m (`alone.rs`). Level and delay are fitted over 5 to 11 kHz, where the burst is above a third of its peak, the
 //! delay by the phase.
 //! Bias: dispersion bends the wave fronts, so that their curvature and with it the level changes by direction, 0.1 dB
-//! at 10 kHz; the window's flanks; what two ends of walls scatter one after the other.
-//! Edges: a wall's end whose own echo comes 4 cm of path after a corner's makes that 0.9 us late, one 2 cm beside the
-//! second reflection of a double echo takes 5.5 dB; with those walls prolonged both echoes are within tolerance.
+//! at 10 kHz; the window's flanks; sound that two ends of walls scatter one after the other.
 //! Tolerance: 0.15 dB and 0.5 us; half a cell of error in a wall's place would be 15 us. Walls made of whole cells
 //! fail: slanted ones of slope 1 to 2 give single echoes 4 to 7 us late.
 
@@ -70,7 +68,7 @@ pub struct Place {
     /// Whether all walls of the scene stand; otherwise only those along the grid.
     pub whole: bool,
     /// Echoes in the field at the field's rate in Pa, entry `n` at time `n dt`.
-    pub heard: Vec<f64>,
+    pub recorded: Vec<f64>,
     /// Echoes by image sources up to second order at the same times, at the speed of sound.
     pub images: Vec<f64>,
     /// The echoes that stand alone.
@@ -104,20 +102,20 @@ fn place(scene: &Scene, whole: bool, place_m: [f64; 2]) -> Result<Place, Error> 
     scene.paths.insert("rest".to_string(), path);
     let band_hz = [0.0, conditions.hz(18e3)];
     let waveform = burst(&conditions).every(2.0 * duration_s, band_hz, 1.0 / conditions.dt_s);
-    let heard = echoes(&scene, "rest", &waveform, |simulation| {
+    let recorded = echoes(&scene, "rest", &waveform, |simulation| {
         simulation.received()
     })?;
     let reflectors = Reflectors::of(&scene.walls);
     let echoes = alone(&reflectors, place_m)
         .iter()
-        .map(|ray| echo(&scene, &conditions, &reflectors, ray, &heard))
+        .map(|ray| echo(&scene, &conditions, &reflectors, ray, &recorded))
         .collect();
     Ok(Place {
         place_m,
         conditions,
         whole,
-        images: images(&scene, &conditions, &reflectors, place_m, heard.len()),
-        heard,
+        images: images(&scene, &conditions, &reflectors, place_m, recorded.len()),
+        recorded,
         echoes,
     })
 }
@@ -145,7 +143,7 @@ pub fn places(depth: Depth) -> Result<Vec<Place>, Error> {
         for place_m in choose(candidates(&scene.walls), count, &mut compared) {
             found.push(place(&scene, is_whole, place_m)?);
         }
-        // The whole scene shows first what the pair along the grid could not, then everything.
+        // In the whole scene first the echoes that the pair along the grid lacks, then all.
         compared.values_mut().for_each(|times| *times = 1);
     }
     Ok(found)

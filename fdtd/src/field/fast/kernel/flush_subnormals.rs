@@ -42,7 +42,7 @@ pub(super) unsafe fn cells<V: Vector>(plan: &Plan, levels: Levels, rows: Range<u
     unsafe { part::<V>(levels.next.add(first), rows.len() * stride) };
 }
 
-/// Sets what is small among `count` numbers to zero, vector by vector: left to itself the compiler stores those numbers
+/// Sets the small ones of `count` numbers to zero, vector by vector: left to itself the compiler stores those numbers
 /// of a vector that change, which is slow on processors without AVX-512.
 ///
 /// # Safety

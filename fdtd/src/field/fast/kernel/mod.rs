@@ -10,7 +10,7 @@
 //!   numbers of one.
 //!
 //! Why unsafe: tiles of one time block share the two pressure buffers and write disjoint rows of them at the same time,
-//! which slices cannot express, and the sweeps run under a chosen instruction set. What makes it sound is said in
+//! which slices cannot express, and the sweeps run under a chosen instruction set. Its soundness is explained in
 //! `tiles`: which rows a tile reads and writes, and for which of another tile's it waits, so that no two tiles touch
 //! the same row at the same time in conflicting ways. All pointers stay inside the buffers because the layout gives
 //! every row a halo of vectors and the buffers a rim of rows as wide as the stencil reaches.

@@ -5,7 +5,7 @@ use super::super::super::step::Injection;
 use super::super::plan::Plan;
 use crate::spread::Stencil;
 
-/// Adds to row `iy`, which is one of the stencil's, what the source sends into it. Solid cells take nothing.
+/// Adds to row `iy`, which is one of the stencil's, the source's contribution to it. Solid cells take nothing.
 #[inline(never)]
 pub(super) fn send(plan: &Plan, row: &mut [f32], iy: usize, injection: &Injection) {
     let s = &injection.stencil;

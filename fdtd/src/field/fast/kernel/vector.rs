@@ -1,5 +1,5 @@
 //! Vectors of numbers: the operations that the sweeps need of an instruction set. Loads and stores go through raw
-//! pointers; every function states what its caller promises.
+//! pointers; every function states its caller's obligations.
 
 use super::super::super::step::{FLUSH_BELOW_PA, flush_subnormals};
 use super::super::layout::{NARROW, WIDE};
@@ -20,7 +20,7 @@ pub(super) trait Vector: Number {
     /// # Safety
     /// `at` must point to `LANES` writable numbers, and the instruction set be there.
     unsafe fn store(self, at: *mut f32);
-    /// Itself, with zero for what is below [`FLUSH_BELOW_PA`].
+    /// Itself, with zero for magnitudes below [`FLUSH_BELOW_PA`].
     fn flushed(self) -> Self;
     /// The first `count` numbers of `old`, then its own.
     fn after(self, old: Self, count: usize) -> Self;

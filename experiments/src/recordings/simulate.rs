@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use fdtd::scene::Scene;
-use fdtd::simulation::{Flow, Outcome, SOURCE_STRENGTH_M2PS, Simulation, SimulationOptions};
+use fdtd::simulation::{Flow, Outcome, Simulation, SimulationOptions};
 use oracles::image_source::{self, DrivingPair, ImageSourceOptions};
 
 use super::spec::{Engine, RecordingSpec};
@@ -106,7 +106,8 @@ fn image_signal(scene: &Scene, spec: &RecordingSpec) -> Result<Vec<f32>> {
         loudspeaker_offset_m: scene.robot.loudspeaker_offset_m,
         microphone_offset_m: scene.robot.microphone_offset_m,
     };
-    let mut signal = image_source::synthesize(
+    // In pascals, as the field's: the source strength is in it.
+    Ok(image_source::synthesize(
         walls,
         &drive,
         &source_waveform(scene)?,
@@ -117,11 +118,7 @@ fn image_signal(scene: &Scene, spec: &RecordingSpec) -> Result<Vec<f32>> {
             stamped: spec.stamped,
             ..ImageSourceOptions::default()
         },
-    );
-    for sample in &mut signal {
-        *sample *= SOURCE_STRENGTH_M2PS as f32;
-    }
-    Ok(signal)
+    ))
 }
 
 /// The signal by the sound field.

@@ -263,3 +263,35 @@ fn absorption_weakens_the_echoes_and_is_in_the_provenance() {
     let loss_db = 10.0 * (without / with).log10();
     assert!((0.2..3.0).contains(&loss_db), "{loss_db}");
 }
+
+#[test]
+fn both_engines_record_the_same_level() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    // Apart, so that there is a direct wave to compare.
+    let apart = r#""robot": {"microphone_offset_m": [0.1, 0.0]}, "walls""#;
+    std::fs::write(at.join("room.json"), ROOM.replacen("\"walls\"", apart, 1)).unwrap();
+    let level_pa = |engine: &str| {
+        let free_field = [
+            "simulate",
+            "room.json",
+            "--path",
+            "short",
+            "--free-field",
+            "--engine",
+            engine,
+            "-o",
+            engine,
+        ];
+        expect(at, &free_field);
+        let recording = localizer::Recording::read(&at.join(engine)).unwrap();
+        // After the wave has arrived.
+        let late = &recording.signal[recording.signal.len() / 2..];
+        (late.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / late.len() as f64).sqrt()
+    };
+    let (field, images) = (level_pa("fdtd"), level_pa("image-source"));
+    assert!(
+        (images / field - 1.0).abs() < 0.1,
+        "{images} Pa by image sources, {field} Pa by the field"
+    );
+}

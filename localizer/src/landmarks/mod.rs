@@ -12,9 +12,11 @@ pub mod learn;
 pub mod localizer;
 pub mod map;
 pub mod peaks;
+mod search;
 pub mod sighting;
 #[cfg(test)]
 mod simulated;
+mod track;
 
 pub use filter::{LandmarkFilter, Start, Status};
 pub use hypothesis::Noise;

@@ -1,0 +1,129 @@
+//! Hypotheses of the pose that compete with each other.
+
+use super::hypothesis::{Fit, Hypothesis, Noise, Seen};
+use super::map::LandmarkMap;
+use crate::odometry::Odometry;
+use crate::pose::wrap_angle;
+
+/// Logarithm of the weight below the best one's at which a hypothesis ends.
+const LEAST_LOG_WEIGHT: f64 = -14.0;
+/// Distances (metres, radians) within which two hypotheses are one.
+const ALIKE: [f64; 2] = [0.04, 0.08];
+/// Logarithm of the odds from which on a hypothesis is sure.
+pub(super) const SURE_LOG_ODDS: f64 = 6.0;
+/// Standard deviation of the position in metres up to which a hypothesis is sure.
+const SURE_SIGMA_M: f64 = 0.05;
+/// Blocks over which the fit is averaged.
+const FIT_BLOCKS: f64 = 8.0;
+/// Expected echoes a block below which a fit says nothing.
+const LEAST_EXPECTED: f64 = 0.8;
+/// Share of the expected echoes below which a fit is bad.
+const BAD_FIT: f64 = 0.35;
+
+/// Hypotheses that compete with each other, and how well the best one fits.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Track {
+    /// The best one first.
+    pub(super) hypotheses: Vec<Hypothesis>,
+    fits: Vec<Fit>,
+    /// Echoes that the best hypothesis expects in a block and those of them that it finds, averaged.
+    expected: f64,
+    found: f64,
+    /// Blocks in a row with a good fit of a single hypothesis, and with a bad fit.
+    pub(super) good: usize,
+    pub(super) bad: usize,
+    /// Blocks taken in, and the logarithm of the best one's likelihood since the last [`Track::begin`].
+    pub(super) blocks: usize,
+    pub(super) score: f64,
+}
+
+impl Track {
+    pub(super) fn of(hypotheses: Vec<Hypothesis>) -> Self {
+        Self {
+            hypotheses,
+            ..Self::default()
+        }
+    }
+
+    /// Counts blocks and score from here on.
+    pub(super) fn begin(&mut self) {
+        (self.blocks, self.score) = (0, 0.0);
+    }
+
+    pub(super) fn fit(&self) -> f64 {
+        if self.expected > 0.0 {
+            self.found / self.expected
+        } else {
+            0.0
+        }
+    }
+
+    pub(super) fn predict(&mut self, odometry: Odometry, duration_s: f64, noise: &Noise) {
+        for hypothesis in &mut self.hypotheses {
+            hypothesis.predict(odometry, duration_s, noise);
+        }
+    }
+
+    pub(super) fn update(&mut self, seen: &Seen<'_>, map: &LandmarkMap, noise: &Noise) {
+        self.fits.clear();
+        for hypothesis in &mut self.hypotheses {
+            self.fits.push(hypothesis.update(seen, map, noise));
+        }
+        let weight = |index: usize| self.hypotheses[index].log_weight;
+        let best = (0..self.hypotheses.len()).max_by(|&a, &b| weight(a).total_cmp(&weight(b)));
+        if let Some(best) = best {
+            let Fit {
+                expected, found, ..
+            } = self.fits[best];
+            self.expected += (expected - self.expected) / FIT_BLOCKS;
+            self.found += (found - self.found) / FIT_BLOCKS;
+        }
+        self.blocks += 1;
+        self.thin();
+        let tells = self.expected > LEAST_EXPECTED;
+        let fits = self.fit() > BAD_FIT;
+        self.bad = if tells && !fits { self.bad + 1 } else { 0 };
+        self.good = if tells && fits && self.is_single() {
+            self.good + 1
+        } else {
+            0
+        };
+    }
+
+    /// Whether one hypothesis stands out, and is narrow.
+    pub(super) fn is_single(&self) -> bool {
+        let second = self.hypotheses.get(1);
+        let narrow = self.hypotheses.first().is_some_and(|best| {
+            best.covariance[(0, 0)] + best.covariance[(1, 1)] < SURE_SIGMA_M.powi(2)
+        });
+        narrow && second.is_none_or(|second| second.log_weight < -SURE_LOG_ODDS)
+    }
+
+    /// Drops and joins hypotheses, the best one first.
+    fn thin(&mut self) {
+        self.hypotheses
+            .sort_unstable_by(|a, b| b.log_weight.total_cmp(&a.log_weight));
+        let Some(most) = self.hypotheses.first().map(|best| best.log_weight) else {
+            return;
+        };
+        self.score += most;
+        let mut kept = 0;
+        for index in 0..self.hypotheses.len() {
+            self.hypotheses[index].log_weight -= most;
+            if self.hypotheses[index].log_weight < LEAST_LOG_WEIGHT {
+                continue;
+            }
+            let pose = self.hypotheses[index].pose();
+            let twin = self.hypotheses[..kept].iter().any(|other| {
+                let other = other.pose();
+                other.distance_m(&pose) < ALIKE[0]
+                    && wrap_angle(other.heading_rad - pose.heading_rad).abs() < ALIKE[1]
+            });
+            if !twin {
+                self.hypotheses.swap(kept, index);
+                kept += 1;
+            }
+        }
+        self.hypotheses.truncate(kept.max(1));
+    }
+}

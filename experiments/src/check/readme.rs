@@ -73,7 +73,7 @@ pub fn commands(quick: Option<&Summary>, paper: &Summary) -> Block {
         ),
         (
             "make validate",
-            "minutes".to_string(),
+            "more than an hour".to_string(),
             "the field against laws of physics: tolerances, measurements and verdicts in `results/validation`",
         ),
         (

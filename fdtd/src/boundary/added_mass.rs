@@ -120,7 +120,7 @@ impl Neighbourhood {
             for dx in -HALF..=HALF {
                 let place = [ix + dx, iy + dy];
                 let at = |[x, y]: [isize; 2]| ((y + HALF) as usize) * WIDTH + (x + HALF) as usize;
-                let Some(opening) = walls.opening(place[0], place[1]) else {
+                let Some(cut) = walls.cut_cell(place[0], place[1]) else {
                     continue;
                 };
                 window.pressure[at([dx, dy])] =
@@ -129,8 +129,7 @@ impl Neighbourhood {
                 if inside && dx.abs().max(dy.abs()) <= REACH {
                     let cell = place.map(|at| at as usize);
                     let row = rows(cell).into_iter();
-                    let row =
-                        row.map(|([x, y], weight)| (at([dx + x, dy + y]), weight * opening.area));
+                    let row = row.map(|([x, y], weight)| (at([dx + x, dy + y]), weight * cut.area));
                     window.free.push(Free {
                         at: at([dx, dy]),
                         row: row.collect(),

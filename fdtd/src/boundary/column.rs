@@ -29,7 +29,7 @@ impl Column {
         let [nx, ny] = walls.size();
         let air = |[x, y]: [isize; 2]| {
             let inside = x >= 0 && y >= 0 && (x as usize) < nx && (y as usize) < ny;
-            inside && walls.opening(x, y).is_some()
+            inside && walls.cut_cell(x, y).is_some()
         };
         let own = load.cell.map(|at| at as isize);
         let mut place = own;
@@ -72,8 +72,8 @@ impl Column {
         }
         let mut reach: Reach = cells.iter().copied().zip(weights).collect();
         let area = |[ix, iy]: [usize; 2]| {
-            let opening = walls.opening(ix as isize, iy as isize);
-            opening.map_or(0.0, |opening| opening.area)
+            let cut = walls.cut_cell(ix as isize, iy as isize);
+            cut.map_or(0.0, |cut| cut.area)
         };
         for side in [-1, 1] {
             if let Some(cell) = walls.beside(self.first, 1 - self.axis, side)

@@ -72,8 +72,8 @@ pub fn surfaces(
     }
     let least = least_masses(walls, polynomial, &elements);
     let area = |[ix, iy]: [usize; 2]| {
-        let opening = walls.opening(ix as isize, iy as isize);
-        opening.map_or(1.0, |opening| opening.area)
+        let cut = walls.cut_cell(ix as isize, iy as isize);
+        cut.map_or(1.0, |cut| cut.area)
     };
     let mut memory = 0;
     for (index, load) in walls.loads().iter().enumerate() {

@@ -102,11 +102,11 @@ impl Neighbourhood {
         for y in 0..WIDTH {
             for x in 0..WIDTH {
                 let at = |i: usize, axis: usize| centre[axis] as isize + i as isize - REACH;
-                let Some(opening) = walls.opening(at(x, 0), at(y, 1)) else {
+                let Some(cut) = walls.cut_cell(at(x, 0), at(y, 1)) else {
                     continue;
                 };
-                window.own[y][x] += (spare + 8.0 * smooth) * opening.area;
-                let (west, south) = (smooth * opening.west, smooth * opening.south);
+                window.own[y][x] += (spare + 8.0 * smooth) * cut.area;
+                let (west, south) = (smooth * cut.west, smooth * cut.south);
                 window.own[y][x] -= west + south;
                 if x > 0 {
                     window.west[y][x] = west;

@@ -146,12 +146,12 @@ impl SlantedKernel {
         let place = |cell: [usize; 2]| {
             let offset = [0, 1].map(|axis| cell[axis] as f64 - load.cell[axis] as f64);
             let dot = |to: [f64; 2]| offset[0] * to[0] + offset[1] * to[1];
-            let opening = walls.opening(cell[0] as isize, cell[1] as isize);
+            let cut = walls.cut_cell(cell[0] as isize, cell[1] as isize);
             BoxCell {
                 cell,
                 distance: load.distance + dot(load.normal),
                 along: dot(tangent) - middle,
-                area: opening.map_or(1.0, |opening| opening.area),
+                area: cut.map_or(1.0, |cut| cut.area),
             }
         };
         cells.into_iter().map(place).collect()

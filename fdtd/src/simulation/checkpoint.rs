@@ -16,7 +16,7 @@ use super::domain::Domain;
 use super::segments::Window;
 use crate::error::Error;
 use crate::field::FieldState;
-use crate::walls::Opening;
+use crate::walls::CutCell;
 
 const MAGIC: &str = "fdtd checkpoint 6";
 
@@ -176,8 +176,8 @@ impl Simulation {
             .enumerate()
             .filter(|(_, solid)| **solid)
             .map(|(cell, _)| cell as u64);
-        let parts = walls.partial().flat_map(|(cell, opening)| {
-            let Opening { area, west, south } = *opening;
+        let parts = walls.partial().flat_map(|(cell, cut)| {
+            let CutCell { area, west, south } = *cut;
             [cell as u64]
                 .into_iter()
                 .chain([area, west, south].map(f64::to_bits))
@@ -200,7 +200,7 @@ impl Simulation {
         let whole = segments.len() == 1 && segments[0].window == Window::whole(&self.domain);
         let plan = match segments.len() {
             _ if whole => String::new(),
-            count => format!(" in {count} pieces {:016x}", digest(self.plan.numbers())),
+            count => format!(" in {count} segments {:016x}", digest(self.plan.numbers())),
         };
         format!(
             "{grid:?} {medium:?} {scheme} {spread} layer {layer_cells} walls {walls:016x} \

@@ -18,7 +18,7 @@ use super::load::{impedance_cells, loads};
 use super::rasterize::SolidMask;
 use super::slant::slants;
 use super::wall::Wall;
-use super::wall_cells::{Opening, WallCells};
+use super::wall_cells::{CutCell, WallCells};
 use crate::grid::Grid;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -95,7 +95,7 @@ pub fn cut(grid: &Grid, walls: &[Wall]) -> WallCells {
         // The cell itself, and those whose faces at lower x and y are its faces at higher.
         for (x, y) in [(ix, iy), (ix + 1, iy), (ix, iy + 1)] {
             if x < grid.nx && y < grid.ny && !solid.is_solid(x, y) {
-                partial.entry(y * grid.nx + x).or_insert_with(|| Opening {
+                partial.entry(y * grid.nx + x).or_insert_with(|| CutCell {
                     area: open.area(x as isize, y as isize),
                     west: open.weight(0, x as isize, y as isize),
                     south: open.weight(1, x as isize, y as isize),

@@ -33,4 +33,4 @@ pub use load::Load;
 pub use model::WallModel;
 pub use rasterize::{SolidMask, cell_at, cell_centre_m, rasterize};
 pub use wall::Wall;
-pub use wall_cells::{Opening, WallCells};
+pub use wall_cells::{CutCell, WallCells};

@@ -88,7 +88,7 @@ impl WallOperator {
             for dy in -reach..=reach {
                 for dx in -reach..=reach {
                     let [i, j] = [dx, dy].map(|offset| (offset + REACH) as usize);
-                    if plain[j][i] != 0.0 && walls.opening(x + dx, y + dy).is_some() {
+                    if plain[j][i] != 0.0 && walls.cut_cell(x + dx, y + dy).is_some() {
                         row.insert([dx, dy], plain[j][i]);
                     }
                 }

@@ -1,7 +1,7 @@
 //! A row of the wave operator, computed in a small part of the grid around its cell.
 
 use super::slant::place_in;
-use super::wall_cells::{Opening, WallCells};
+use super::wall_cells::{CutCell, WallCells};
 use crate::scheme::Weights;
 
 /// Half width of a patch in cells; a scheme of radius three needs three cells and their faces.
@@ -44,14 +44,14 @@ impl Patch {
         for y in 0..WIDTH {
             for x in 0..WIDTH {
                 let at = |i: usize, centre: usize| centre as isize + i as isize - REACH;
-                let opening = walls.opening(at(x, ix), at(y, iy)).unwrap_or(Opening {
+                let cut = walls.cut_cell(at(x, ix), at(y, iy)).unwrap_or(CutCell {
                     area: 0.0,
                     west: 0.0,
                     south: 0.0,
                 });
-                patch.area[y][x] = opening.area;
-                patch.west[y][x] = opening.west;
-                patch.south[y][x] = opening.south;
+                patch.area[y][x] = cut.area;
+                patch.west[y][x] = cut.west;
+                patch.south[y][x] = cut.south;
                 if let Some(slant) = walls.slant(at(x, ix), at(y, iy)) {
                     patch.slanted[y][x] = slant.share;
                 }

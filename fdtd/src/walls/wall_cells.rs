@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// Open fractions of a cell and of its faces to the cells at lower x and at lower y.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Opening {
+pub struct CutCell {
     /// Open part of the cell's area, above 0.
     pub area: f64,
     /// Weight of the face to the cell at lower x: its open part, or less where stability demands it.
@@ -16,7 +16,7 @@ pub struct Opening {
     pub south: f64,
 }
 
-impl Opening {
+impl CutCell {
     /// A cell far from walls.
     pub const FULL: Self = Self {
         area: 1.0,
@@ -32,7 +32,7 @@ impl Opening {
 pub struct WallCells {
     solid: SolidMask,
     /// By index `iy nx + ix`; a fluid cell that is not in here is full and has open faces to fluid cells.
-    partial: BTreeMap<usize, Opening>,
+    partial: BTreeMap<usize, CutCell>,
     /// Surface elements of walls of an impedance, in the order of the cells in which they lie.
     loads: Vec<Load>,
     /// Changes of the operator in cells that slanted walls cut.
@@ -40,9 +40,9 @@ pub struct WallCells {
 }
 
 impl WallCells {
-    /// From the solid cells and the openings of others by their index `iy nx + ix`.
-    pub(super) fn new(solid: SolidMask, mut partial: BTreeMap<usize, Opening>) -> Self {
-        partial.retain(|&cell, opening| !solid.cells[cell] && *opening != Opening::FULL);
+    /// From the solid cells and the cut cells of others by their index `iy nx + ix`.
+    pub(super) fn new(solid: SolidMask, mut partial: BTreeMap<usize, CutCell>) -> Self {
+        partial.retain(|&cell, cut| !solid.cells[cell] && *cut != CutCell::FULL);
         Self {
             solid,
             partial,
@@ -109,7 +109,7 @@ impl WallCells {
         let partial = self
             .partial
             .iter()
-            .filter_map(|(&cell, &opening)| Some((moved(cell)?, opening)));
+            .filter_map(|(&cell, &cut)| Some((moved(cell)?, cut)));
         let loads = self.loads.iter().filter_map(|load| {
             Some(Load {
                 cell: place(load.cell)?,
@@ -138,8 +138,8 @@ impl WallCells {
     }
 
     /// The cells of which a wall leaves a part, by index `iy nx + ix`, in order.
-    pub fn partial(&self) -> impl Iterator<Item = (usize, &Opening)> {
-        self.partial.iter().map(|(&cell, opening)| (cell, opening))
+    pub fn partial(&self) -> impl Iterator<Item = (usize, &CutCell)> {
+        self.partial.iter().map(|(&cell, cut)| (cell, cut))
     }
 
     /// Whether a wall takes the cell or a part of it or of its faces at lower x and y; not so outside the grid.
@@ -153,8 +153,8 @@ impl WallCells {
     pub fn areas(&self) -> Vec<f64> {
         let solid = self.solid.cells.iter();
         let mut areas: Vec<f64> = solid.map(|&solid| f64::from(u8::from(!solid))).collect();
-        for (&cell, opening) in &self.partial {
-            areas[cell] = opening.area;
+        for (&cell, cut) in &self.partial {
+            areas[cell] = cut.area;
         }
         areas
     }
@@ -172,32 +172,32 @@ impl WallCells {
         place[axis] += side;
         let [x, y] = place;
         let inside = x >= 0 && y >= 0 && (x as usize) < nx && (y as usize) < ny;
-        let there = self.opening(x, y).filter(|_| inside)?;
+        let there = self.cut_cell(x, y).filter(|_| inside)?;
         let upper = if side > 0 {
             there
         } else {
-            self.opening(ix as isize, iy as isize)?
+            self.cut_cell(ix as isize, iy as isize)?
         };
         let face = if axis == 0 { upper.west } else { upper.south };
         (face > 0.0).then_some([x as usize, y as usize])
     }
 
-    /// Opening of a cell at any place, full outside the grid; `None` for a solid cell. Faces to solid cells are closed.
-    pub(crate) fn opening(&self, ix: isize, iy: isize) -> Option<Opening> {
+    /// Open fractions of a cell at any place, full outside the grid; `None` for a solid cell. Faces to solid cells are closed.
+    pub(crate) fn cut_cell(&self, ix: isize, iy: isize) -> Option<CutCell> {
         let mask = &self.solid;
         let solid = |x, y| mask.index(x, y).is_some_and(|cell| mask.cells[cell]);
         if solid(ix, iy) {
             return None;
         }
         let partial = mask.index(ix, iy).and_then(|cell| self.partial.get(&cell));
-        let mut opening = partial.copied().unwrap_or(Opening::FULL);
+        let mut cut = partial.copied().unwrap_or(CutCell::FULL);
         if solid(ix - 1, iy) {
-            opening.west = 0.0;
+            cut.west = 0.0;
         }
         if solid(ix, iy - 1) {
-            opening.south = 0.0;
+            cut.south = 0.0;
         }
-        Some(opening)
+        Some(cut)
     }
 
     /// Bridges past the cells of a window that begins at `first`, `width` cells along a side: places of their ends in
@@ -210,8 +210,8 @@ impl WallCells {
         spare: f64,
     ) -> Vec<([[isize; 2]; 2], f64)> {
         let area = |[x, y]: [isize; 2]| {
-            let opening = self.opening(first[0] + x, first[1] + y);
-            opening.map_or(1.0, |opening| opening.area)
+            let cut = self.cut_cell(first[0] + x, first[1] + y);
+            cut.map_or(1.0, |cut| cut.area)
         };
         let places = (0..width as isize).flat_map(|y| (0..width as isize).map(move |x| [x, y]));
         places

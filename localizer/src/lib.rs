@@ -68,6 +68,7 @@ pub mod recording;
 pub mod reference;
 pub mod signal;
 mod simd;
+pub mod slam;
 pub mod trajectory;
 
 pub use crate::localizer::Localizer;

@@ -70,18 +70,12 @@ pub(super) fn localize(
     trajectory.write_tum(output)?;
     let table = output.with_extension("csv");
     atomic::write(&table, csv(&estimates).as_bytes())?;
-    let share = |status: Status| {
-        estimates
-            .iter()
-            .filter(|estimate| estimate.status == status)
-            .count() as f64
-            / estimates.len() as f64
-    };
     let scores = recording
         .truth
         .as_ref()
         .map(|truth| Scores::new(&estimates, truth));
-    let shares = [Status::Sure, Status::Converging, Status::Lost].map(share);
+    let shares =
+        [Status::Sure, Status::Converging, Status::Lost].map(|status| share(&estimates, status));
     if json {
         return print_json(&serde_json::json!({
             "estimate": output,
@@ -133,18 +127,24 @@ pub(super) fn localize(
     Ok(())
 }
 
+/// Share of the estimates that have a status.
+pub(super) fn share(estimates: &[Estimate], status: Status) -> f64 {
+    let with = estimates.iter().filter(|e| e.status == status).count();
+    with as f64 / estimates.len().max(1) as f64
+}
+
 /// Errors of a drive.
-struct Scores {
-    mae_m: f64,
-    p90_m: f64,
-    max_m: f64,
-    final_m: f64,
-    latest_mae_m: f64,
-    heading_mae_rad: f64,
+pub(super) struct Scores {
+    pub(super) mae_m: f64,
+    pub(super) p90_m: f64,
+    pub(super) max_m: f64,
+    pub(super) final_m: f64,
+    pub(super) latest_mae_m: f64,
+    pub(super) heading_mae_rad: f64,
 }
 
 impl Scores {
-    fn new(estimates: &[Estimate], truth: &Trajectory) -> Self {
+    pub(super) fn new(estimates: &[Estimate], truth: &Trajectory) -> Self {
         let at = |t_s: f64| truth.pose_at(t_s).unwrap_or_default();
         let errors: Vec<f64> = estimates
             .iter()
@@ -170,7 +170,7 @@ impl Scores {
 }
 
 /// The estimates as a table.
-fn csv(estimates: &[Estimate]) -> String {
+pub(super) fn csv(estimates: &[Estimate]) -> String {
     let mut text = String::from(
         "t_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_mrad,yh_mrad,hh_rad2,status,fit,hypotheses,latest_s,latest_x_m,\
          latest_y_m,latest_heading_rad,turn_rate_error_radps,speed_error,speed_of_sound_mps\n",

@@ -13,6 +13,7 @@ mod reference;
 mod run;
 mod scene;
 mod simulate;
+mod slam;
 mod validate;
 
 use anyhow::Result;
@@ -45,6 +46,8 @@ enum Command {
     Map(map::Arguments),
     /// Localize the robot of a recording in a map.
     Localize(localize::Arguments),
+    /// Estimate a drive and the landmarks around it together, without map or truth.
+    Slam(slam::Arguments),
     /// Run the papers' studies.
     Run(run::Arguments),
     /// Draw the figures from data files.
@@ -74,6 +77,7 @@ impl Cli {
             Command::Simulate(arguments) => arguments.run(json),
             Command::Map(arguments) => arguments.run(json),
             Command::Localize(arguments) => arguments.run(json),
+            Command::Slam(arguments) => arguments.run(json),
             Command::Run(arguments) => arguments.run(json),
             Command::Figures(arguments) => arguments.run(json),
             Command::Check(arguments) => arguments.run(json),

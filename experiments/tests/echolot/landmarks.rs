@@ -115,6 +115,50 @@ fn random_layouts_are_learnt_and_localized_in_to_millimetres() {
 }
 
 #[test]
+fn a_drive_makes_its_own_map_which_serves_another_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    learn(at, "room", "4");
+    let usual = [
+        "slam",
+        "localization",
+        "-o",
+        "drive.tum",
+        "--map-out",
+        "own",
+        "--json",
+    ];
+    let found = json(&expect(at, &usual));
+    assert!(found["mae_m"].as_f64().unwrap() < 0.02, "{found}");
+    assert!(found["status"]["sure"].as_f64().unwrap() == 1.0, "{found}");
+    let lacks = found["turn_rate_error_radps"].as_f64().unwrap();
+    assert!((-0.013..-0.007).contains(&lacks), "{found}");
+    assert!(at.join("drive.csv").is_file() && at.join("own/landmarks.json").is_file());
+    let usual = [
+        "localize",
+        "mapping",
+        "--map",
+        "own",
+        "--method",
+        "landmarks",
+        "-o",
+        "other.tum",
+        "--json",
+    ];
+    let other = json(&expect(at, &usual));
+    assert!(other["mae_m"].as_f64().unwrap() < 0.03, "{other}");
+    // Without an echo there is nothing to learn, and it is said.
+    let silent = at.join("localization/signal.wav");
+    let mut bytes = std::fs::read(&silent).unwrap();
+    let data = bytes.windows(4).position(|name| name == b"data").unwrap();
+    bytes[data + 8..].fill(0);
+    std::fs::write(&silent, bytes).unwrap();
+    let message = refuse(at, &["slam", "localization", "-o", "silent.tum"]);
+    assert!(message.contains("no landmark was found"), "{message}");
+    assert!(!at.join("silent.tum").exists());
+}
+
+#[test]
 fn what_landmarks_cannot_use_is_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

@@ -185,7 +185,7 @@ mod tests {
         let seen: Vec<_> = drive.take(390).map(|block| block.sighting).collect();
         LandmarkMap {
             parameters,
-            landmarks: learn::landmarks(&seen),
+            landmarks: learn::landmarks(&seen, 0.0),
             area_m: [[-1.0, 1.0], [-1.0, 1.0]],
             explained: 0.5,
         }

@@ -34,6 +34,10 @@ const TIGHT_M: f64 = 0.008;
 const LEAST_TIGHT: f64 = 0.75;
 /// Largest standard deviation of a landmark's position (metres) and normal (radians).
 const MOST_SIGMA: f64 = 0.03;
+/// Standard deviation of poses in metres up to which they are known as well as ranges.
+const KNOWN_M: f64 = 0.002;
+/// Largest correlation of the residuals of neighbouring blocks that is believed.
+const MOST_ALIKE: f64 = 0.95;
 /// Blocks over which residuals are alike, so that they count once.
 const ALIKE_BLOCKS: f64 = 4.0;
 
@@ -60,7 +64,7 @@ pub fn learn(drives: &[(&EchoSequence, &[Pose])]) -> Result<LandmarkMap, Error> 
         .iter()
         .flat_map(|(echoes, poses)| sightings(echoes, poses))
         .collect();
-    let landmarks = landmarks(&seen);
+    let landmarks = landmarks(&seen, 0.0);
     if landmarks.is_empty() {
         return refuse(
             "no landmark was found in them",
@@ -96,8 +100,9 @@ struct Fit {
     covariance: [[f64; 2]; 2],
 }
 
-/// The landmarks seen in all blocks, the ones seen most often first.
-pub fn landmarks(seen: &[Sighting]) -> Vec<Landmark> {
+/// The landmarks seen in all blocks, the ones seen most often first. The poses of the sightings may be off by some
+/// `pose_sigma_m` metres against each other.
+pub fn landmarks(seen: &[Sighting], pose_sigma_m: f64) -> Vec<Landmark> {
     let least = LEAST_BLOCKS.max((LEAST_SHARE * seen.len() as f64).ceil() as usize);
     let mut free: Vec<Vec<bool>> = seen
         .iter()
@@ -112,12 +117,12 @@ pub fn landmarks(seen: &[Sighting]) -> Vec<Landmark> {
         };
         let fits = candidates
             .into_iter()
-            .filter_map(|shape| fit(shape, seen, &free, &GATES_M));
+            .filter_map(|shape| fit(shape, seen, &free, &GATES_M, pose_sigma_m));
         let best = fits.max_by_key(|fit| fit.blocks);
         match best {
             Some(best) if best.blocks >= least && good(&best) => {
                 refused = 0;
-                take(&best.shape, seen, &mut free, &mut votes);
+                take(&best.shape, seen, pose_sigma_m, &mut free, &mut votes);
                 found.push(best.shape);
             }
             _ => {
@@ -126,7 +131,7 @@ pub fn landmarks(seen: &[Sighting]) -> Vec<Landmark> {
             }
         }
     }
-    settle(found, seen, least)
+    settle(found, seen, least, pose_sigma_m)
 }
 
 fn good(fit: &Fit) -> bool {
@@ -134,11 +139,17 @@ fn good(fit: &Fit) -> bool {
 }
 
 /// Takes the peaks of a landmark out.
-fn take(shape: &Shape, seen: &[Sighting], free: &mut [Vec<bool>], votes: &mut Votes) {
+fn take(
+    shape: &Shape,
+    seen: &[Sighting],
+    pose_sigma_m: f64,
+    free: &mut [Vec<bool>],
+    votes: &mut Votes,
+) {
     for (index, (sighting, free)) in seen.iter().zip(free).enumerate() {
         let echo = shape.echo(&sighting.pose, &sighting.motion);
         for (number, (peak, free)) in sighting.peaks.iter().zip(free).enumerate() {
-            let near = (peak.range_m - echo.range_m).abs() < GATES_M[2]
+            let near = (peak.range_m - echo.range_m).abs() < GATES_M[2] + 2.0 * pose_sigma_m
                 && (peak.cosine - echo.cosine).abs() < COSINE_GATE * sighting.cosine_sigma;
             if *free && near {
                 *free = false;
@@ -149,10 +160,15 @@ fn take(shape: &Shape, seen: &[Sighting], free: &mut [Vec<bool>], votes: &mut Vo
 }
 
 /// Refits all landmarks beside each other: a peak belongs to the landmark that it fits best.
-fn settle(mut shapes: Vec<Shape>, seen: &[Sighting], least: usize) -> Vec<Landmark> {
+fn settle(
+    mut shapes: Vec<Shape>,
+    seen: &[Sighting],
+    least: usize,
+    pose_sigma_m: f64,
+) -> Vec<Landmark> {
     let mut fits: Vec<Fit> = Vec::new();
     for _ in 0..3 {
-        let own = assign(&shapes, seen);
+        let own = assign(&shapes, seen, pose_sigma_m);
         fits = shapes
             .iter()
             .enumerate()
@@ -166,7 +182,7 @@ fn settle(mut shapes: Vec<Shape>, seen: &[Sighting], least: usize) -> Vec<Landma
                             .collect()
                     })
                     .collect();
-                fit(shape, seen, &free, &GATES_M[2..])
+                fit(shape, seen, &free, &GATES_M[2..], pose_sigma_m)
             })
             .filter(|fit| fit.blocks >= least && good(fit))
             .collect();
@@ -193,7 +209,7 @@ fn settle(mut shapes: Vec<Shape>, seen: &[Sighting], least: usize) -> Vec<Landma
 }
 
 /// For every peak the landmark that it fits best, if any.
-fn assign(shapes: &[Shape], seen: &[Sighting]) -> Vec<Vec<Option<usize>>> {
+fn assign(shapes: &[Shape], seen: &[Sighting], pose_sigma_m: f64) -> Vec<Vec<Option<usize>>> {
     seen.iter()
         .map(|sighting| {
             let echoes: Vec<_> = shapes
@@ -202,7 +218,8 @@ fn assign(shapes: &[Shape], seen: &[Sighting]) -> Vec<Vec<Option<usize>>> {
                 .collect();
             let of_peak = |peak: &Peak| {
                 let distance = |number: usize| {
-                    let dr = (peak.range_m - echoes[number].range_m) / GATES_M[2];
+                    let dr =
+                        (peak.range_m - echoes[number].range_m) / (GATES_M[2] + 2.0 * pose_sigma_m);
                     let dc = (peak.cosine - echoes[number].cosine)
                         / (COSINE_GATE * sighting.cosine_sigma);
                     dr * dr + dc * dc
@@ -217,10 +234,17 @@ fn assign(shapes: &[Shape], seen: &[Sighting]) -> Vec<Vec<Option<usize>>> {
 }
 
 /// Robust least squares on the ranges of the free peaks near a landmark, with narrower gates from round to round.
-fn fit(mut shape: Shape, seen: &[Sighting], free: &[Vec<bool>], gates_m: &[f64]) -> Option<Fit> {
+fn fit(
+    mut shape: Shape,
+    seen: &[Sighting],
+    free: &[Vec<bool>],
+    gates_m: &[f64],
+    pose_sigma_m: f64,
+) -> Option<Fit> {
     let mut peaks = vec![None; seen.len()];
     let mut last = ([[0.0; 2]; 2], 0.0, 0.0, 0);
     for &gate_m in gates_m {
+        let gate_m = gate_m + 2.0 * pose_sigma_m;
         let (mut information, mut pull) = ([[0.0; 2]; 2], [0.0; 2]);
         let (mut squares, mut weights, mut tight) = (0.0, 0.0, 0);
         for ((sighting, free), chosen) in seen.iter().zip(free).zip(&mut peaks) {
@@ -239,7 +263,7 @@ fn fit(mut shape: Shape, seen: &[Sighting], free: &[Vec<bool>], gates_m: &[f64])
                 continue;
             };
             let residual_m = sighting.peaks[number].range_m - echo.range_m;
-            let weight = 1.0 / (1.0 + (residual_m / ROBUST_M).powi(2));
+            let weight = 1.0 / (1.0 + (residual_m / (ROBUST_M + pose_sigma_m)).powi(2));
             let [a, b] = echo.range_by_shape;
             pull[0] += weight * a * residual_m;
             pull[1] += weight * b * residual_m;
@@ -249,7 +273,7 @@ fn fit(mut shape: Shape, seen: &[Sighting], free: &[Vec<bool>], gates_m: &[f64])
             information[1][1] += weight * b * b;
             squares += weight * residual_m * residual_m;
             weights += weight;
-            tight += usize::from(residual_m.abs() <= TIGHT_M);
+            tight += usize::from(residual_m.abs() <= TIGHT_M + 1.5 * pose_sigma_m);
         }
         let inverse = invert(information)?;
         let change = [0, 1].map(|row| inverse[row][0] * pull[0] + inverse[row][1] * pull[1]);
@@ -264,6 +288,12 @@ fn fit(mut shape: Shape, seen: &[Sighting], free: &[Vec<bool>], gates_m: &[f64])
     }
     let (inverse, squares, weights, tight) = last;
     let variance = (squares / weights).max(1e-8);
+    // Where poses are off, residuals last for that reason.
+    let variance = if pose_sigma_m <= KNOWN_M {
+        variance * lasting(&shape, seen, &peaks)
+    } else {
+        variance
+    };
     let scale = variance * ALIKE_BLOCKS;
     Some(Fit {
         shape,
@@ -273,6 +303,25 @@ fn fit(mut shape: Shape, seen: &[Sighting], free: &[Vec<bool>], gates_m: &[f64])
         rms_m: variance.sqrt(),
         covariance: inverse.map(|row| row.map(|number| number * scale)),
     })
+}
+
+/// Blocks in a row that count as one, because their residuals are alike: by the correlation of neighbours, as of a
+/// first-order process. What is no landmark but happens to lie near one has residuals that last.
+fn lasting(shape: &Shape, seen: &[Sighting], peaks: &[Option<usize>]) -> f64 {
+    let residual = |index: usize| {
+        let sighting = &seen[index];
+        let echo = shape.echo(&sighting.pose, &sighting.motion);
+        peaks[index].map(|number| sighting.peaks[number].range_m - echo.range_m)
+    };
+    let (mut squares, mut products) = (0.0, 0.0);
+    for index in 1..seen.len() {
+        if let (Some(before), Some(here)) = (residual(index - 1), residual(index)) {
+            squares += 0.5 * (before * before + here * here);
+            products += before * here;
+        }
+    }
+    let alike = (products / squares.max(1e-12)).clamp(0.0, MOST_ALIKE);
+    (1.0 + alike) / (1.0 - alike)
 }
 
 fn invert([[a, b], [c, d]]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
@@ -317,7 +366,7 @@ mod tests {
             let shapes = simulated::shapes();
             let drive = Drive::new(seed, shapes.clone());
             let seen: Vec<Sighting> = drive.take(350).map(|block| block.sighting).collect();
-            let found = landmarks(&seen);
+            let found = landmarks(&seen, 0.0);
             assert_eq!(found.len(), shapes.len(), "seed {seed}: {found:?}");
             for shape in &shapes {
                 let nearest = found
@@ -347,7 +396,7 @@ mod tests {
             let shapes = simulated::shapes();
             let drive = Drive::new(seed, shapes.clone());
             let seen: Vec<Sighting> = drive.take(200).map(|block| block.sighting).collect();
-            for landmark in landmarks(&seen) {
+            for landmark in landmarks(&seen, 0.0) {
                 let off = |shape: &&Shape| apart(&landmark.shape, shape) < 0.05;
                 let Some(shape) = shapes.iter().find(off) else {
                     continue;
@@ -386,6 +435,6 @@ mod tests {
     fn clutter_alone_has_no_landmarks() {
         let drive = Drive::new(3, Vec::new());
         let seen: Vec<Sighting> = drive.take(300).map(|block| block.sighting).collect();
-        assert_eq!(landmarks(&seen), Vec::new());
+        assert_eq!(landmarks(&seen, 0.0), Vec::new());
     }
 }

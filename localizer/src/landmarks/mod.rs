@@ -15,8 +15,8 @@ pub mod peaks;
 mod search;
 pub mod sighting;
 #[cfg(test)]
-mod simulated;
-mod track;
+pub(crate) mod simulated;
+pub(crate) mod track;
 
 pub use filter::{LandmarkFilter, Start, Status};
 pub use hypothesis::Noise;
@@ -24,6 +24,7 @@ pub use landmark::Shape;
 pub use learn::learn;
 pub use localizer::{Estimate, LandmarkLocalizer, LandmarkTracker, localize};
 pub use map::{Landmark, LandmarkMap, Visibility};
+pub use sighting::Sighting;
 
 /// Periods M of a block for landmarks: enough to tell directions apart, and a pose that is hardly old.
 pub const PERIODS: usize = 2;

@@ -16,10 +16,10 @@ use crate::pose::Pose;
 use crate::random;
 
 /// Standard deviation of the ranges in metres.
-pub(super) const RANGE_SIGMA_M: f64 = 0.001;
+pub(crate) const RANGE_SIGMA_M: f64 = 0.001;
 
 /// Three walls, no two of them parallel, and a corner.
-pub(super) fn shapes() -> Vec<Shape> {
+pub(crate) fn shapes() -> Vec<Shape> {
     let wall = |degrees: f64, distance_m: f64| Shape::Wall {
         normal_rad: degrees.to_radians(),
         distance_m,
@@ -35,10 +35,10 @@ pub(super) fn shapes() -> Vec<Shape> {
 }
 
 /// A drive: its blocks one by one.
-pub(super) struct Drive {
-    pub(super) parameters: Parameters,
+pub(crate) struct Drive {
+    pub(crate) parameters: Parameters,
     /// What turn rate the wheels report too much, in rad/s, and the share of speed.
-    pub(super) wheel_errors: [f64; 2],
+    pub(crate) wheel_errors: [f64; 2],
     pose: Pose,
     shapes: Vec<Shape>,
     random: ChaCha8Rng,
@@ -47,15 +47,15 @@ pub(super) struct Drive {
 }
 
 /// A block of a drive.
-pub(super) struct Block {
-    pub(super) truth: Pose,
-    pub(super) sighting: Sighting,
+pub(crate) struct Block {
+    pub(crate) truth: Pose,
+    pub(crate) sighting: Sighting,
     /// The wheels' word on the block, and on the step to it.
-    pub(super) odometry: Odometry,
+    pub(crate) odometry: Odometry,
 }
 
 impl Block {
-    pub(super) fn seen<'a>(&'a self, parameters: &'a Parameters) -> Seen<'a> {
+    pub(crate) fn seen<'a>(&'a self, parameters: &'a Parameters) -> Seen<'a> {
         Seen {
             peaks: &self.sighting.peaks,
             cosine_sigma: self.sighting.cosine_sigma,
@@ -66,7 +66,7 @@ impl Block {
 }
 
 impl Drive {
-    pub(super) fn new(seed: u64, shapes: Vec<Shape>) -> Self {
+    pub(crate) fn new(seed: u64, shapes: Vec<Shape>) -> Self {
         let mut parameters = Parameters::default();
         parameters.measurement.periods = super::PERIODS;
         let mut random = random::stream(seed, "simulated drive");
@@ -87,11 +87,11 @@ impl Drive {
     }
 
     /// Carries the robot elsewhere without its wheels knowing.
-    pub(super) fn kidnap(&mut self, pose: Pose) {
+    pub(crate) fn kidnap(&mut self, pose: Pose) {
         self.pose = pose;
     }
 
-    pub(super) fn pose(&self) -> Pose {
+    pub(crate) fn pose(&self) -> Pose {
         self.pose
     }
 }

@@ -10,7 +10,7 @@ const LEAST_LOG_WEIGHT: f64 = -14.0;
 /// Distances (metres, radians) within which two hypotheses are one.
 const ALIKE: [f64; 2] = [0.04, 0.08];
 /// Logarithm of the odds from which on a hypothesis is sure.
-pub(super) const SURE_LOG_ODDS: f64 = 6.0;
+pub(crate) const SURE_LOG_ODDS: f64 = 6.0;
 /// Standard deviation of the position in metres up to which a hypothesis is sure.
 const SURE_SIGMA_M: f64 = 0.05;
 /// Blocks over which the fit is averaged.
@@ -22,23 +22,23 @@ const BAD_FIT: f64 = 0.35;
 
 /// Hypotheses that compete with each other, and how well the best one fits.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Track {
+pub(crate) struct Track {
     /// The best one first.
-    pub(super) hypotheses: Vec<Hypothesis>,
+    pub(crate) hypotheses: Vec<Hypothesis>,
     fits: Vec<Fit>,
     /// Echoes that the best hypothesis expects in a block and those of them that it finds, averaged.
     expected: f64,
     found: f64,
     /// Blocks in a row with a good fit of a single hypothesis, and with a bad fit.
-    pub(super) good: usize,
-    pub(super) bad: usize,
+    pub(crate) good: usize,
+    pub(crate) bad: usize,
     /// Blocks taken in, and the logarithm of the best one's likelihood since the last [`Track::begin`].
-    pub(super) blocks: usize,
-    pub(super) score: f64,
+    pub(crate) blocks: usize,
+    pub(crate) score: f64,
 }
 
 impl Track {
-    pub(super) fn of(hypotheses: Vec<Hypothesis>) -> Self {
+    pub(crate) fn of(hypotheses: Vec<Hypothesis>) -> Self {
         Self {
             hypotheses,
             ..Self::default()
@@ -46,11 +46,11 @@ impl Track {
     }
 
     /// Counts blocks and score from here on.
-    pub(super) fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         (self.blocks, self.score) = (0, 0.0);
     }
 
-    pub(super) fn fit(&self) -> f64 {
+    pub(crate) fn fit(&self) -> f64 {
         if self.expected > 0.0 {
             self.found / self.expected
         } else {
@@ -58,13 +58,13 @@ impl Track {
         }
     }
 
-    pub(super) fn predict(&mut self, odometry: Odometry, duration_s: f64, noise: &Noise) {
+    pub(crate) fn predict(&mut self, odometry: Odometry, duration_s: f64, noise: &Noise) {
         for hypothesis in &mut self.hypotheses {
             hypothesis.predict(odometry, duration_s, noise);
         }
     }
 
-    pub(super) fn update(&mut self, seen: &Seen<'_>, map: &LandmarkMap, noise: &Noise) {
+    pub(crate) fn update(&mut self, seen: &Seen<'_>, map: &LandmarkMap, noise: &Noise) {
         self.fits.clear();
         for hypothesis in &mut self.hypotheses {
             self.fits.push(hypothesis.update(seen, map, noise));
@@ -91,7 +91,7 @@ impl Track {
     }
 
     /// Whether one hypothesis stands out, and is narrow.
-    pub(super) fn is_single(&self) -> bool {
+    pub(crate) fn is_single(&self) -> bool {
         let second = self.hypotheses.get(1);
         let narrow = self.hypotheses.first().is_some_and(|best| {
             best.covariance[(0, 0)] + best.covariance[(1, 1)] < SURE_SIGMA_M.powi(2)

@@ -1,0 +1,136 @@
+//! `echolot slam`.
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use localizer::landmarks::{self, Noise, Status};
+use localizer::{Recording, Trajectory, echo, slam};
+
+use super::arguments::ParameterArguments;
+use super::landmarks::{Scores, csv, share};
+use super::output::{print, print_json};
+use crate::data::atomic;
+use crate::metrics::rounded;
+use crate::run::progress::Board;
+
+/// Arguments of `slam`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  echolot slam recordings/drive -o drive.tum --map-out maps/room\n  \
+    echolot localize recordings/other --map maps/room --method landmarks -o other.tum\n\n\
+    The map's frame is that of the start: the truth at time 0, the start of recording.json, or the origin. Truth serves \
+    nothing else but the error that is printed. A table with covariance and status is written beside EST.tum; blocks \
+    that are not to be trusted are lost there."
+)]
+pub(crate) struct Arguments {
+    /// Recording folder.
+    recording: PathBuf,
+    /// Estimated trajectory (TUM).
+    #[arg(short, long, value_name = "EST.tum")]
+    output: PathBuf,
+    /// Folder for the map of landmarks.
+    #[arg(long, value_name = "MAP")]
+    map_out: Option<PathBuf>,
+    /// Periods M in a block; 2 unless given.
+    #[arg(long, value_name = "M")]
+    periods: Option<usize>,
+    #[command(flatten)]
+    parameters: ParameterArguments,
+}
+
+impl Arguments {
+    /// Runs the command.
+    pub(crate) fn run(self, json: bool) -> Result<()> {
+        let recording = Recording::read(&self.recording)?;
+        let mut parameters = self.parameters.read()?;
+        let usual = match &self.parameters.parameters {
+            None => landmarks::PERIODS,
+            Some(_) => parameters.measurement.periods,
+        };
+        parameters.measurement.periods = self.periods.unwrap_or(usual);
+        let parameters = parameters.for_recording(&recording.meta);
+        let board = Board::new();
+        let measuring = board.task("echoes", 1);
+        let echoes = echo::measure(&recording, &parameters)?;
+        measuring.finish();
+        let task = board.task("slam", echoes.blocks.len() as u64);
+        let mut estimator = slam::Slam::new(&parameters, recording.start_pose(), Noise::default());
+        for (index, block) in echoes.blocks.iter().enumerate() {
+            estimator.update(block, echoes.recent_odometry(index));
+            task.set(index as u64 + 1);
+        }
+        let drive = estimator.finish();
+        task.finish();
+        let Some(map) = &drive.map else {
+            bail!(
+                "{}: no landmark was found in it; record longer, drive along curves, and check that the echoes are in \
+                the recording",
+                self.recording.display()
+            );
+        };
+        let trajectory = Trajectory {
+            t_s: drive.estimates.iter().map(|e| e.t_s).collect(),
+            poses: drive.estimates.iter().map(|e| e.pose).collect(),
+        };
+        trajectory.write_tum(&self.output)?;
+        let table = self.output.with_extension("csv");
+        atomic::write(&table, csv(&drive.estimates).as_bytes())?;
+        if let Some(folder) = &self.map_out {
+            map.write(folder)?;
+        }
+        let lost = share(&drive.estimates, Status::Lost);
+        let walls = (map.landmarks.iter())
+            .filter(|landmark| landmark.ends_m().is_some())
+            .count();
+        let scores = (recording.truth.as_ref()).map(|truth| Scores::new(&drive.estimates, truth));
+        if json {
+            let [turn_rate, speed] = drive.wheel_errors;
+            return print_json(&serde_json::json!({
+                "estimate": self.output,
+                "table": table,
+                "map": self.map_out,
+                "poses": drive.estimates.len(),
+                "landmarks": map.landmarks.len(),
+                "walls": walls,
+                "explained": rounded(map.explained),
+                "mae_m": scores.as_ref().map(|scores| rounded(scores.mae_m)),
+                "p90_m": scores.as_ref().map(|scores| rounded(scores.p90_m)),
+                "max_m": scores.as_ref().map(|scores| rounded(scores.max_m)),
+                "final_m": scores.as_ref().map(|scores| rounded(scores.final_m)),
+                "latest_mae_m": scores.as_ref().map(|scores| rounded(scores.latest_mae_m)),
+                "heading_mae_rad": scores.as_ref().map(|scores| rounded(scores.heading_mae_rad)),
+                "status": {"sure": rounded(share(&drive.estimates, Status::Sure)), "lost": rounded(lost)},
+                "turn_rate_error_radps": rounded(turn_rate),
+                "speed_error": rounded(speed),
+            }));
+        }
+        eprintln!(
+            "wrote {} and {} ({} poses)",
+            self.output.display(),
+            table.display(),
+            drive.estimates.len()
+        );
+        if let Some(folder) = &self.map_out {
+            eprintln!("wrote {}", folder.display());
+        }
+        print(&format!(
+            "{walls} walls and {} points explain {:.0} % of all peaks; lost {:.0} % of the drive\n",
+            map.landmarks.len() - walls,
+            100.0 * map.explained,
+            100.0 * lost
+        ))?;
+        match scores {
+            Some(scores) => print(&format!(
+                "mean absolute position error {:.4} m\n",
+                scores.mae_m
+            ))?,
+            None => eprintln!("no truth.tum: no error to tell"),
+        }
+        if lost > 0.0 {
+            eprintln!(
+                "warning: from some block on the echoes do not fit the wheels; those poses are the wheels'"
+            );
+        }
+        Ok(())
+    }
+}

@@ -3,20 +3,25 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
+use fdtd::scene::Scene;
+use localizer::filter::motion_model::dead_reckon;
 use localizer::landmarks::{self, Noise, Status};
-use localizer::{Recording, Trajectory, echo, slam};
+use localizer::{Parameters, Recording, Trajectory, echo, slam};
 
 use super::arguments::ParameterArguments;
 use super::landmarks::{Scores, csv, share};
 use super::output::{print, print_json};
 use crate::data::atomic;
+use crate::data::layout::Layout;
+use crate::figures;
+use crate::figures::landmarks::{ESTIMATE, NamedPath, TRUTH, WHEELS};
 use crate::metrics::rounded;
 use crate::run::progress::Board;
 
 /// Arguments of `slam`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  echolot slam recordings/drive -o drive.tum --map-out maps/room\n  \
+    after_help = "Example:\n  echolot slam recordings/drive -o drive.tum --map-out maps/room --figure map.png\n  \
     echolot localize recordings/other --map maps/room --method landmarks -o other.tum\n\n\
     The map's frame is that of the start: the truth at time 0, the start of recording.json, or the origin. Truth serves \
     nothing else but the error that is printed. A table with covariance and status is written beside EST.tum; blocks \
@@ -31,6 +36,12 @@ pub(crate) struct Arguments {
     /// Folder for the map of landmarks.
     #[arg(long, value_name = "MAP")]
     map_out: Option<PathBuf>,
+    /// Picture of the map and the paths (PNG).
+    #[arg(long, value_name = "FILE.png")]
+    figure: Option<PathBuf>,
+    /// Scene file whose walls the picture shows beside those that were found.
+    #[arg(long, value_name = "SCENE", requires = "figure")]
+    scene: Option<PathBuf>,
     /// Periods M in a block; 2 unless given.
     #[arg(long, value_name = "M")]
     periods: Option<usize>,
@@ -42,6 +53,10 @@ impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         let recording = Recording::read(&self.recording)?;
+        let layout = match &self.scene {
+            Some(file) => Some(Layout::of(&Scene::load(file)?)),
+            None => None,
+        };
         let mut parameters = self.parameters.read()?;
         let usual = match &self.parameters.parameters {
             None => landmarks::PERIODS,
@@ -83,12 +98,21 @@ impl Arguments {
             .filter(|landmark| landmark.ends_m().is_some())
             .count();
         let scores = (recording.truth.as_ref()).map(|truth| Scores::new(&drive.estimates, truth));
+        if let Some(picture) = &self.figure {
+            let title = match &scores {
+                Some(scores) => format!("Mean error {:.4} m, without map and truth", scores.mae_m),
+                None => format!("{walls} walls and {} points", map.landmarks.len() - walls),
+            };
+            let paths = paths(&recording, &parameters, &trajectory);
+            figures::landmarks::draw(map, layout.as_ref(), &paths, &title, picture)?;
+        }
         if json {
             let [turn_rate, speed] = drive.wheel_errors;
             return print_json(&serde_json::json!({
                 "estimate": self.output,
                 "table": table,
                 "map": self.map_out,
+                "figure": self.figure,
                 "poses": drive.estimates.len(),
                 "landmarks": map.landmarks.len(),
                 "walls": walls,
@@ -110,8 +134,8 @@ impl Arguments {
             table.display(),
             drive.estimates.len()
         );
-        if let Some(folder) = &self.map_out {
-            eprintln!("wrote {}", folder.display());
+        for written in [&self.map_out, &self.figure].into_iter().flatten() {
+            eprintln!("wrote {}", written.display());
         }
         print(&format!(
             "{walls} walls and {} points explain {:.0} % of all peaks; lost {:.0} % of the drive\n",
@@ -133,4 +157,28 @@ impl Arguments {
         }
         Ok(())
     }
+}
+
+/// Truth where there is one, wheels and estimate.
+fn paths(
+    recording: &Recording,
+    parameters: &Parameters,
+    estimate: &Trajectory,
+) -> Vec<NamedPath<'static>> {
+    let wheels = dead_reckon(recording, parameters, recording.start_pose());
+    let truth = (recording.truth.as_ref()).map(|truth| ("truth", truth, TRUTH));
+    truth
+        .into_iter()
+        .chain([
+            ("wheels alone", &wheels, WHEELS),
+            ("estimate", estimate, ESTIMATE),
+        ])
+        .map(|(name, trajectory, stroke)| NamedPath {
+            name,
+            places_m: (trajectory.poses.iter())
+                .map(|pose| [pose.x_m, pose.y_m])
+                .collect(),
+            stroke,
+        })
+        .collect()
 }

@@ -3,6 +3,7 @@
 pub mod animation;
 pub mod drawing;
 pub(crate) mod field;
+pub(crate) mod landmarks;
 pub mod scene;
 pub mod snapshot;
 

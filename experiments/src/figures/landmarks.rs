@@ -22,27 +22,27 @@ const IMAGE: Stroke = Stroke::solid(colour::GREY, 3.0).dashed(&[4.0, 7.0]);
 const MARGIN_M: f64 = 0.5;
 
 /// A path with its name and style.
-pub struct NamedPath<'a> {
+pub(crate) struct NamedPath<'a> {
     /// Its name in the legend.
-    pub name: &'a str,
+    pub(crate) name: &'a str,
     /// Places `[x, y]` in metres.
-    pub places_m: Vec<[f64; 2]>,
+    pub(crate) places_m: Vec<[f64; 2]>,
     /// Style.
-    pub stroke: Stroke,
+    pub(crate) stroke: Stroke,
 }
 
 /// The estimated path.
-pub const ESTIMATE: Stroke = Stroke::solid(colour::VERMILLION, 3.5);
+pub(crate) const ESTIMATE: Stroke = Stroke::solid(colour::VERMILLION, 3.5);
 /// The true path.
-pub const TRUTH: Stroke = Stroke::solid(colour::BLUE, 7.0).faint(0.5);
+pub(crate) const TRUTH: Stroke = Stroke::solid(colour::BLUE, 7.0).faint(0.5);
 /// The path by the wheels alone.
-pub const WHEELS: Stroke = Stroke::solid(colour::ORANGE, 3.0).dashed(&[14.0, 7.0]);
+pub(crate) const WHEELS: Stroke = Stroke::solid(colour::ORANGE, 3.0).dashed(&[14.0, 7.0]);
 
 /// Draws a map; mirror images are drawn as far as they lie near the rest.
 ///
 /// # Errors
 /// When the picture cannot be written.
-pub fn draw(
+pub(crate) fn draw(
     map: &LandmarkMap,
     truth: Option<&Layout>,
     paths: &[NamedPath<'_>],

@@ -27,14 +27,14 @@
 //! ```
 //! use std::path::Path;
 //!
-//! use localizer::image::map_image;
+//! use localizer::image::map_builder;
 //! use localizer::{Parameters, Recording, echo, offline};
 //!
 //! let mapping = Recording::read(Path::new("../examples/site_robot/mapping"))?;
 //! let parameters = Parameters::default().for_recording(&mapping.meta);
 //! let echoes = echo::measure(&mapping, &parameters)?;
 //! let truth = mapping.truth.as_ref().ok_or("no truth.tum")?;
-//! let map = map_image::build(&[(&echoes, &echoes.poses(truth))])?;
+//! let map = map_builder::build(&[(&echoes, &echoes.poses(truth))])?;
 //!
 //! let drive = Recording::read(Path::new("../examples/site_robot/drive"))?;
 //! let echoes = echo::measure(&drive, &parameters)?;
@@ -49,6 +49,7 @@
 //! Conventions: SI units, radians; x right, y up, headings counter-clockwise from +x; arrays are `[iy, ix]`; angles of
 //! arrival are measured from the heading, 0 to pi; time 0 is the first sample of the first period.
 
+pub mod align;
 pub mod beacons;
 pub mod echo;
 pub mod error;

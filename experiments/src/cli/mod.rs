@@ -1,8 +1,10 @@
 //! The command line of `echolot`, one file per command.
 
+mod alignment;
 mod arguments;
 mod bench;
 mod check;
+mod estimates;
 mod figures;
 mod landmarks;
 mod list;
@@ -14,6 +16,7 @@ mod run;
 mod scene;
 mod simulate;
 mod slam;
+mod transmit;
 mod validate;
 
 use anyhow::Result;
@@ -42,6 +45,8 @@ enum Command {
     Scene(scene::Arguments),
     /// Simulate a drive in a scene and write the recording.
     Simulate(simulate::Arguments),
+    /// Write the sound that the loudspeaker plays, and its description.
+    Transmit(transmit::Arguments),
     /// Build a map from recordings with known poses.
     Map(map::Arguments),
     /// Localize the robot of a recording in a map.
@@ -75,6 +80,7 @@ impl Cli {
         match self.command {
             Command::Scene(arguments) => arguments.run(json),
             Command::Simulate(arguments) => arguments.run(json),
+            Command::Transmit(arguments) => arguments.run(json),
             Command::Map(arguments) => arguments.run(json),
             Command::Localize(arguments) => arguments.run(json),
             Command::Slam(arguments) => arguments.run(json),

@@ -35,6 +35,8 @@ pub struct Recording {
     pub odometry: Vec<OdometrySample>,
     /// True poses.
     pub truth: Option<Trajectory>,
+    /// Periods in which the direct wave was not heard, in increasing order: no echo of theirs counts.
+    pub unheard: Vec<usize>,
     /// Waveform, rate, speed of sound, start.
     pub meta: RecordingMeta,
 }
@@ -131,6 +133,7 @@ pub(crate) mod tests {
                     heading_rad: 0.5,
                 }],
             }),
+            unheard: Vec::new(),
             meta: RecordingMeta {
                 start: Some(Pose::default()),
                 ..RecordingMeta::from_parameters(&parameters)

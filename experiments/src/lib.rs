@@ -6,6 +6,7 @@ pub mod check;
 pub mod cli;
 pub mod data;
 pub mod figures;
+pub mod inspection;
 pub mod metrics;
 pub mod recordings;
 pub mod run;

@@ -11,6 +11,7 @@ mod list;
 mod localize;
 mod map;
 mod output;
+mod record;
 mod reference;
 mod run;
 mod scene;
@@ -49,6 +50,8 @@ enum Command {
     Transmit(transmit::Arguments),
     /// Build a map from recordings with known poses.
     Map(map::Arguments),
+    /// Look at a recording before it is trusted.
+    Record(record::Arguments),
     /// Localize the robot of a recording in a map.
     Localize(localize::Arguments),
     /// Estimate a drive and the landmarks around it together, without map or truth.
@@ -82,6 +85,7 @@ impl Cli {
             Command::Simulate(arguments) => arguments.run(json),
             Command::Transmit(arguments) => arguments.run(json),
             Command::Map(arguments) => arguments.run(json),
+            Command::Record(arguments) => arguments.run(json),
             Command::Localize(arguments) => arguments.run(json),
             Command::Slam(arguments) => arguments.run(json),
             Command::Run(arguments) => arguments.run(json),

@@ -4,6 +4,7 @@ pub mod animation;
 pub mod drawing;
 pub(crate) mod field;
 pub(crate) mod landmarks;
+pub mod inspection;
 pub mod scene;
 pub mod snapshot;
 

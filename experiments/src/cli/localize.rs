@@ -20,7 +20,7 @@ use crate::run::progress::Board;
 
 /// Method of localization.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum MethodArgument {
+pub(super) enum MethodArgument {
     /// Echoes in range and bearing.
     Doppler,
     /// Echoes in range only.
@@ -33,7 +33,7 @@ enum MethodArgument {
 
 impl MethodArgument {
     /// The method among echo images; none for landmarks.
-    fn of_images(self) -> Option<Method> {
+    pub(super) fn of_images(self) -> Option<Method> {
         match self {
             Self::Doppler => Some(Method::Doppler),
             Self::ToaOnly => Some(Method::ToaOnly),
@@ -96,13 +96,13 @@ pub(crate) struct Arguments {
 
 /// Start of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum StartArgument {
+pub(super) enum StartArgument {
     Pose(Pose),
     Unknown,
 }
 
 /// Reads `X,Y,DEG` or `unknown`.
-fn start(text: &str) -> Result<StartArgument, String> {
+pub(super) fn start(text: &str) -> Result<StartArgument, String> {
     if text == "unknown" {
         return Ok(StartArgument::Unknown);
     }
@@ -125,7 +125,7 @@ fn start(text: &str) -> Result<StartArgument, String> {
 }
 
 /// Reads `M,DEG` as metres and radians.
-fn start_sigma(text: &str) -> Result<[f64; 2], String> {
+pub(super) fn start_sigma(text: &str) -> Result<[f64; 2], String> {
     let numbers: Option<Vec<f64>> = text
         .split(',')
         .map(|part| part.trim().parse().ok())

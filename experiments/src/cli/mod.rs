@@ -17,6 +17,7 @@ mod run;
 mod scene;
 mod simulate;
 mod slam;
+mod track;
 mod transmit;
 mod validate;
 
@@ -56,6 +57,8 @@ enum Command {
     Localize(localize::Arguments),
     /// Estimate a drive and the landmarks around it together, without map or truth.
     Slam(slam::Arguments),
+    /// Follow the robot live: sound on standard input, odometry beside it, poses on standard output.
+    Track(track::Arguments),
     /// Run the papers' studies.
     Run(run::Arguments),
     /// Draw the figures from data files.
@@ -88,6 +91,7 @@ impl Cli {
             Command::Record(arguments) => arguments.run(json),
             Command::Localize(arguments) => arguments.run(json),
             Command::Slam(arguments) => arguments.run(json),
+            Command::Track(arguments) => arguments.run(),
             Command::Run(arguments) => arguments.run(json),
             Command::Figures(arguments) => arguments.run(json),
             Command::Check(arguments) => arguments.run(json),

@@ -80,7 +80,8 @@ impl RecordingSource {
             PeriodicSpectrum::highest_hz,
         );
         let given = clock.late_s == Some(0.0) && clock.drift_ppm == Some(0.0);
-        meta.sample_rate_hz = working_rate(&meta, file_rate_hz, band_hz, given);
+        let period_s = meta.code_length as f64 / meta.chip_rate_hz;
+        meta.sample_rate_hz = working_rate(period_s, file_rate_hz, band_hz, given);
         if let Some(spectrum) = &spectrum {
             let count = (spectrum.period_s * meta.sample_rate_hz).round() as usize;
             meta.transmitted = Some(Arc::from(spectrum.samples(count)));
@@ -277,21 +278,17 @@ fn nothing(path: &Path) -> Error {
     )
 }
 
-/// The rate at which the sound is worked with: a period is a whole number of samples.
-fn working_rate(meta: &RecordingMeta, file_rate_hz: f64, band_hz: f64, aligned: bool) -> f64 {
-    let period_s = meta.code_length as f64 / meta.chip_rate_hz;
+/// The rate at which a sound is worked with: a period is a whole number of samples, and the band up to `band_hz` is held.
+/// That of the file where a period is a whole number of samples already and the sound is `aligned`.
+pub fn working_rate(period_s: f64, file_rate_hz: f64, band_hz: f64, aligned: bool) -> f64 {
     let samples = period_s * file_rate_hz;
     if !(samples.is_finite() && samples > 1.0) {
         return file_rate_hz;
     }
     let is_whole = (samples - samples.round()).abs() < 1e-6;
-    if aligned && is_whole {
-        return file_rate_hz;
-    }
     let fewer = (file_rate_hz / (RATE_OVER_BAND * band_hz)).floor().max(1.0);
-    let count = (samples / fewer - 1e-6).ceil();
-    if is_whole && fewer == 1.0 {
+    if is_whole && (aligned || fewer == 1.0) {
         return file_rate_hz;
     }
-    count / period_s
+    (samples / fewer - 1e-6).ceil() / period_s
 }

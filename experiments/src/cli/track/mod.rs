@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
-use localizer::align::{SoundAligner, SoundClock};
+use localizer::align::{SoundAligner, SoundClock, SoundReport};
 use localizer::echo::block_stream;
 use localizer::io::description::{PeriodicSpectrum, TransmitDescription};
 use localizer::io::recording_clocks::{WHEELS_S, WheelClock};
@@ -91,9 +91,9 @@ pub(crate) struct Arguments {
     /// Channels of raw samples.
     #[arg(long, value_name = "N", default_value_t = 1)]
     channels: usize,
-    /// Channel to use, the first is 1.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    channel: usize,
+    /// Channel to use, the first is 1; the first with the code in it unless given.
+    #[arg(long, value_name = "N")]
+    channel: Option<usize>,
     /// Form of the poses on standard output.
     #[arg(long, value_enum, default_value_t = Output::Json)]
     output: Output,
@@ -135,8 +135,10 @@ pub(crate) struct Arguments {
 /// Sound as it comes, in periods.
 struct Sound {
     stream: Stream,
-    aligner: SoundAligner,
-    ready: VecDeque<(Vec<f32>, bool)>,
+    channels: usize,
+    /// The channels that may hold the code, in their order; one from when it is found.
+    candidates: Vec<Candidate>,
+    samples: Vec<f32>,
     ended: bool,
     gaps: usize,
 }
@@ -144,24 +146,37 @@ struct Sound {
 impl Sound {
     /// The next period and whether the code was heard in it; none at the end.
     fn next(&mut self) -> Result<Option<(Vec<f32>, bool)>> {
-        while self.ready.is_empty() && !self.ended {
-            let ready = &mut self.ready;
-            let mut emit = |period: &[f32], heard: bool| {
-                ready.push_back((period.to_vec(), heard));
-                Ok(())
-            };
-            let had = self.aligner.has_code();
-            match self.stream.next()? {
-                Some(piece) => self.aligner.push(&piece, &mut emit)?,
-                None => {
-                    self.ended = true;
-                    self.aligner.finish(&mut emit)?;
+        while self.candidates[0].ready.is_empty() && !self.ended {
+            let had = self.candidates[0].aligner.has_code();
+            let piece = self.stream.next()?;
+            self.ended = piece.is_none();
+            let mut trouble = None;
+            for candidate in &mut self.candidates {
+                self.samples.clear();
+                let own = piece.iter().flatten().skip(candidate.channel - 1);
+                self.samples.extend(own.step_by(self.channels));
+                if let Err(error) = candidate.take(&self.samples, self.ended) {
+                    trouble.get_or_insert(error);
                 }
             }
-            let report = self.aligner.report();
+            // Another channel counts only while this one has nothing to say.
+            if let Some(found) = self
+                .candidates
+                .iter()
+                .position(|own| own.aligner.has_code())
+            {
+                self.candidates.swap(0, found);
+                self.candidates.truncate(1);
+            } else if let Some(error) = trouble {
+                return Err(error.into());
+            }
+            let Candidate {
+                aligner, channel, ..
+            } = &self.candidates[0];
+            let report = aligner.report();
             if !had && report.code_db.is_some() {
                 eprintln!(
-                    "sound: the first period begins {:.3} ms after the first sample, the recorder runs {:+.2} ppm",
+                    "sound: channel {channel}: the first period begins {:.3} ms after the first sample, the recorder runs {:+.2} ppm",
                     1e3 * report.late_s,
                     report.drift_ppm
                 );
@@ -174,7 +189,33 @@ impl Sound {
             }
             self.gaps = report.gaps.len();
         }
-        Ok(self.ready.pop_front())
+        Ok(self.candidates[0].ready.pop_front())
+    }
+
+    fn report(&self) -> &SoundReport {
+        self.candidates[0].aligner.report()
+    }
+}
+
+/// A channel that may hold the code.
+struct Candidate {
+    channel: usize,
+    aligner: SoundAligner,
+    ready: VecDeque<(Vec<f32>, bool)>,
+}
+
+impl Candidate {
+    fn take(&mut self, samples: &[f32], ended: bool) -> Result<(), localizer::Error> {
+        let ready = &mut self.ready;
+        let mut emit = |period: &[f32], heard: bool| {
+            ready.push_back((period.to_vec(), heard));
+            Ok(())
+        };
+        self.aligner.push(samples, &mut emit)?;
+        match ended {
+            true => self.aligner.finish(&mut emit),
+            false => Ok(()),
+        }
     }
 }
 
@@ -278,10 +319,21 @@ impl Arguments {
             late_s: self.late.map(|late_ms| 1e-3 * late_ms),
             drift_ppm: self.drift,
         };
+        let channels = layout
+            .channel
+            .map_or(1..=layout.channels, |channel| channel..=channel);
+        let candidates = channels.map(|channel| {
+            Ok(Candidate {
+                channel,
+                aligner: SoundAligner::new(&parameters, layout.rate_hz, clock)?,
+                ready: VecDeque::new(),
+            })
+        });
         let mut sound = Sound {
-            aligner: SoundAligner::new(&parameters, layout.rate_hz, clock)?,
+            candidates: candidates.collect::<Result<_>>()?,
+            channels: layout.channels,
+            samples: Vec::new(),
             stream: Stream::start(input, layout),
-            ready: VecDeque::new(),
             ended: false,
             gaps: 0,
         };
@@ -333,7 +385,7 @@ impl Arguments {
                 }
             }
         }
-        let report = sound.aligner.report();
+        let report = sound.report();
         eprintln!(
             "{} periods, {} of them without the code; the recorder runs {:+.2} ppm",
             report.periods, report.unheard, report.drift_ppm
@@ -352,7 +404,7 @@ impl Arguments {
         let period_s = parameters.period_s();
         // The first period says how late the sound is.
         held.extend(sound.next()?);
-        let late_s = sound.aligner.report().late_s;
+        let late_s = sound.report().late_s;
         if let Some(reading_s) = self.odometry_clock {
             wheels.set_clock(reading_s + late_s);
             return Ok((held, reading_s + late_s));

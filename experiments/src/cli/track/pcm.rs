@@ -39,8 +39,8 @@ pub(super) struct Layout {
     pub(super) format: Format,
     pub(super) rate_hz: f64,
     pub(super) channels: usize,
-    /// The channel that is used; the first is 1.
-    pub(super) channel: usize,
+    /// The channel that is used, the first is 1; the first with the code unless given.
+    pub(super) channel: Option<usize>,
 }
 
 impl Format {
@@ -69,7 +69,7 @@ impl Format {
 }
 
 /// Reads the header of a WAV stream up to its samples. Lengths are not believed: a pipe's writer does not know them.
-pub(super) fn header(stream: &mut impl Read, channel: usize) -> Result<Layout> {
+pub(super) fn header(stream: &mut impl Read, channel: Option<usize>) -> Result<Layout> {
     let mut four = [0; 12];
     stream
         .read_exact(&mut four)
@@ -134,10 +134,11 @@ impl Layout {
         if !(1..=64).contains(&self.channels) {
             bail!("--channels: {}; give 1 to 64", self.channels);
         }
-        if !(1..=self.channels).contains(&self.channel) {
+        if let Some(channel) = self.channel
+            && !(1..=self.channels).contains(&channel)
+        {
             bail!(
-                "--channel: {} of {}; give one that is there",
-                self.channel,
+                "--channel: {channel} of {}; give one that is there",
                 self.channels
             );
         }
@@ -161,7 +162,7 @@ impl Stream {
         Self { pieces }
     }
 
-    /// The next samples; none at the end.
+    /// The next samples of all channels, frame by frame; none at the end.
     pub(super) fn next(&self) -> Result<Option<Vec<f32>>> {
         loop {
             interrupt::check()?;
@@ -182,7 +183,6 @@ fn pump(
 ) {
     let width = layout.format.bytes();
     let frame = width * layout.channels;
-    let place = width * (layout.channel - 1);
     let mut bytes = vec![0; FRAMES * frame];
     let mut held = 0;
     loop {
@@ -198,8 +198,8 @@ fn pump(
         }
         let whole = held - held % frame;
         let samples: Vec<f32> = bytes[..whole]
-            .chunks_exact(frame)
-            .map(|frame| layout.format.sample(&frame[place..place + width]))
+            .chunks_exact(width)
+            .map(|sample| layout.format.sample(sample))
             .collect();
         bytes.copy_within(whole..held, 0);
         held -= whole;
@@ -230,17 +230,17 @@ mod tests {
         bytes.extend(192_000_u32.to_le_bytes());
         bytes.extend([4, 0, 16, 0]);
         bytes.extend(b"data\xff\xff\xff\xff");
-        let layout = header(&mut bytes.as_slice(), 2).unwrap();
+        let layout = header(&mut bytes.as_slice(), Some(2)).unwrap();
         let expected = Layout {
             format: Format::S16,
             rate_hz: 48_000.0,
             channels: 2,
-            channel: 2,
+            channel: Some(2),
         };
         assert_eq!(layout, expected);
-        assert!(header(&mut bytes.as_slice(), 3).is_err());
+        assert!(header(&mut bytes.as_slice(), Some(3)).is_err());
         for cut in 0..bytes.len() - 1 {
-            assert!(header(&mut &bytes[..cut], 1).is_err(), "{cut}");
+            assert!(header(&mut &bytes[..cut], None).is_err(), "{cut}");
         }
     }
 }

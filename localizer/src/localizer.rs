@@ -83,8 +83,8 @@ impl Localizer {
         self.step_period(samples, true, odometry)
     }
 
-    /// As [`Self::step`]; with `heard` false the samples are a gap of the sound: the estimate follows from odometry alone
-    /// until M whole periods have come in again.
+    /// As [`Self::step`]; with `heard` false the samples are a gap of the sound: the estimate follows from odometry
+    /// alone until M whole periods have come in again.
     ///
     /// # Errors
     /// As [`Self::step`].

@@ -34,8 +34,8 @@ pub fn localize(
         .collect())
 }
 
-/// As [`localize`] for a recording that is opened but not read: blocks are measured a few at a time, so that memory does
-/// not grow with the sound.
+/// As [`localize`] for a recording that is opened but not read: blocks are measured a few at a time, so that memory
+/// does not grow with the sound.
 ///
 /// # Errors
 /// As [`crate::echo::measure`] and [`localize`].

@@ -1,6 +1,6 @@
-//! Alignment of a sound: domain: a repeated code with a moving echo, through a recorder that starts late and whose clock
-//! runs at another rate. The recorder's samples are those of the signal at `(k / rate - late) (1 + drift)`, by a windowed
-//! sinc of -60 dB; what is found must be what was put in, and the periods those of the signal.
+//! Alignment of a sound: domain: a repeated code with a moving echo, through a recorder that starts late and whose
+//! clock runs at another rate. The recorder's samples are those of the signal at `(k / rate - late) (1 + drift)`, by
+//! a windowed sinc of -60 dB; what is found must be what was put in, and the periods those of the signal.
 
 use localizer::align::{Gap, Resampler, SoundAligner, SoundClock, SoundReport};
 use localizer::parameters::SignalParameters;

@@ -24,7 +24,8 @@ const FINE: f64 = 8.0;
     after_help = "Example:\n  echolot transmit -o tx.wav --seconds 600 --rate 48000\n  \
     echolot transmit -o tx.wav --code 511 --carrier 18000 --chips 4000\n\n\
     Beside the WAV its description is written (tx.json). Copy it as transmitted.json into the folder of a recording, \
-    and map, localize and track know the code. Loop the file without a pause, or make it as long as the drive: it holds \
+    and map, localize and track know the code. Loop the file without a pause, or make it as long as the \
+    drive: it holds \
     whole periods of the code, and where a period is no whole number of samples, as many as make one."
 )]
 pub(crate) struct Arguments {
@@ -127,7 +128,8 @@ impl Arguments {
         }
         if together.is_none() {
             eprintln!(
-                "warning: no number of periods up to a thousand is a whole number of samples: the file has a seam where \
+                "warning: no number of periods up to a thousand is a whole number of samples: the file has a \
+                seam where \
                  it is looped; make it as long as the drive, or give another --rate"
             );
         }

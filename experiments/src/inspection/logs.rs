@@ -14,7 +14,10 @@ pub(super) fn look(inspection: &mut Inspection, source: &RecordingSource) {
     let length_s = source.duration_s();
     let wheels = &source.odometry;
     let times = || wheels.iter().map(|sample| sample.t_s);
-    let (first, last) = (times().next().unwrap_or(0.0), times().last().unwrap_or(0.0));
+    let (first, last) = (
+        times().next().unwrap_or(0.0),
+        times().next_back().unwrap_or(0.0),
+    );
     let gap = wheels
         .windows(2)
         .map(|pair| pair[1].t_s - pair[0].t_s)

@@ -106,7 +106,8 @@ impl Alignment {
                 ClockSource::Motion => "by speeds and turns",
                 ClockSource::Assumed => {
                     lines.push(format!(
-                        "warning: nothing tells the {name}' clock: it is taken for the sound's; give {file} if it is not"
+                        "warning: nothing tells the {name}' clock: it is taken for the sound's; give {file} \
+                         if it is not"
                     ));
                     continue;
                 }

@@ -116,8 +116,8 @@ impl Tracks {
         self.open = still;
     }
 
-    /// The tracks that are long enough. The range that is heard at `t` is the one that the robot had on the sound's way, at
-    /// `t - range / c`.
+    /// The tracks that are long enough. The range that is heard at `t` is the one that the robot had on the sound's
+    /// way, at `t - range / c`.
     fn all(&self) -> Vec<Track> {
         let open = self.open.iter().map(|(track, _)| track);
         let long = self
@@ -129,8 +129,8 @@ impl Tracks {
         long.map(|track| track.iter().map(had).collect()).collect()
     }
 
-    /// What the trajectory's clock shows at time 0 of the sound, among `from_s` to `to_s`. `sensor_m` is the place on the
-    /// robot from which ranges count. None when the tracks do not tell.
+    /// What the trajectory's clock shows at time 0 of the sound, among `from_s` to `to_s`. `sensor_m` is the place on
+    /// the robot from which ranges count. None when the tracks do not tell.
     pub fn match_path(
         &self,
         path: &Trajectory,

@@ -79,8 +79,8 @@ impl Follower {
         self.steered = self.step;
     }
 
-    /// Compares the direct wave of the period that was read last with what was foreseen, and steers the next. False when
-    /// it is not there.
+    /// Compares the direct wave of the period that was read last with what was foreseen, and steers the next. False
+    /// when it is not there.
     pub(super) fn judge(
         &mut self,
         period: &[f32],

@@ -49,7 +49,8 @@ impl MapBuilder {
     /// Adds a block at its true pose.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a pose that is not finite, or so far from the others that the map does not fit into memory.
+    /// [`Error::Invalid`] for a pose that is not finite, or so far from the others that the map does not fit into
+    /// memory.
     pub fn add(&mut self, block: &EchoBlock, pose: &Pose) -> Result<(), Error> {
         if block.stationary {
             return Ok(());

@@ -278,8 +278,8 @@ fn nothing(path: &Path) -> Error {
     )
 }
 
-/// The rate at which a sound is worked with: a period is a whole number of samples, and the band up to `band_hz` is held.
-/// That of the file where a period is a whole number of samples already and the sound is `aligned`.
+/// The rate at which a sound is worked with: a period is a whole number of samples, and the band up to `band_hz` is
+/// held. That of the file where a period is a whole number of samples already and the sound is `aligned`.
 pub fn working_rate(period_s: f64, file_rate_hz: f64, band_hz: f64, aligned: bool) -> f64 {
     let samples = period_s * file_rate_hz;
     if !(samples.is_finite() && samples > 1.0) {

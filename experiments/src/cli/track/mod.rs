@@ -63,8 +63,8 @@ enum Clock {
     echolot track --map maps/room --odometry drive/odometry.csv --start 1.2,0.8,90 --output tum < drive/signal.wav\n\n\
     Poses are those that localize computes for the same sound and log, byte for byte, one a period, at most one period \
     after their last sample. Unless --late, --drift and --odometry-clock are given, the first poses wait for the drive \
-    that tells them: the sound for one second of the code, the wheels' clock for 20 s of driving. Gaps in the sound and \
-    late odometry are told on standard error; poses then follow what there is."
+    that tells them: the sound for one second of the code, the wheels' clock for 20 s of driving. Gaps in the sound \
+    and late odometry are told on standard error; poses then follow what there is."
 )]
 pub(crate) struct Arguments {
     /// Map folder.
@@ -132,6 +132,9 @@ pub(crate) struct Arguments {
     patience: f64,
 }
 
+/// Samples of a period and whether the code was heard in it.
+type Period = (Vec<f32>, bool);
+
 /// Sound as it comes, in periods.
 struct Sound {
     stream: Stream,
@@ -145,7 +148,7 @@ struct Sound {
 
 impl Sound {
     /// The next period and whether the code was heard in it; none at the end.
-    fn next(&mut self) -> Result<Option<(Vec<f32>, bool)>> {
+    fn next(&mut self) -> Result<Option<Period>> {
         while self.candidates[0].ready.is_empty() && !self.ended {
             let had = self.candidates[0].aligner.has_code();
             let piece = self.stream.next()?;
@@ -176,7 +179,8 @@ impl Sound {
             let report = aligner.report();
             if !had && report.code_db.is_some() {
                 eprintln!(
-                    "sound: channel {channel}: the first period begins {:.3} ms after the first sample, the recorder runs {:+.2} ppm",
+                    "sound: channel {channel}: the first period begins {:.3} ms after the first sample, the \
+                     recorder runs {:+.2} ppm",
                     1e3 * report.late_s,
                     report.drift_ppm
                 );
@@ -201,7 +205,7 @@ impl Sound {
 struct Candidate {
     channel: usize,
     aligner: SoundAligner,
-    ready: VecDeque<(Vec<f32>, bool)>,
+    ready: VecDeque<Period>,
 }
 
 impl Candidate {
@@ -399,7 +403,7 @@ impl Arguments {
         parameters: &Parameters,
         sound: &mut Sound,
         wheels: &mut Wheels,
-    ) -> Result<(VecDeque<(Vec<f32>, bool)>, f64)> {
+    ) -> Result<(VecDeque<Period>, f64)> {
         let mut held = VecDeque::new();
         let period_s = parameters.period_s();
         // The first period says how late the sound is.
@@ -451,8 +455,8 @@ impl Arguments {
         wheels.wait_since_first(length_s + EARLY_LOG_S)?;
         let Some(found) = clock.find(wheels.samples(), length_s) else {
             bail!(
-                "--odometry-clock: {length_s:.0} s of sound do not tell what the wheels' clock shows; drive with turns and \
-                 changes of speed for {WHEELS_S:.0} s, or give its reading at the first sample of the sound"
+                "--odometry-clock: {length_s:.0} s of sound do not tell what the wheels' clock shows; drive with turns \
+                 and changes of speed for {WHEELS_S:.0} s, or give its reading at the first sample of the sound"
             );
         };
         eprintln!(

@@ -1,6 +1,7 @@
 //! The papers' studies: recordings are simulated, localized and measured; data files are drawn and checked. The command
 //! line tool `echolot` is in [`cli`].
 
+pub mod bag;
 pub mod bench;
 pub mod check;
 pub mod cli;

@@ -1,13 +1,15 @@
 //! `echolot localize`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
+use localizer::filter::motion_model::advance;
 use localizer::io::recording_source::RecordingSource;
 use localizer::landmarks::{LandmarkMap, Start};
+use localizer::odometry::mean_over_time;
 use localizer::pose::wrap_angle;
-use localizer::{MapImage, Method, Parameters, Pose, offline};
+use localizer::{Estimate, MapImage, Method, Parameters, Pose, Trajectory, offline};
 
 use super::alignment::AlignmentArguments;
 use super::arguments::ParameterArguments;
@@ -15,6 +17,8 @@ use super::estimates::{self, Clock, Errors};
 use super::landmarks;
 use super::output::{print, print_json};
 use crate::data::atomic;
+use crate::figures;
+use crate::figures::localization::Localization;
 use crate::metrics::rounded;
 use crate::run::progress::Board;
 
@@ -202,6 +206,9 @@ impl Arguments {
         estimates::trajectory(&estimates, reading_s).write_tum(&self.output)?;
         let text = estimates::table(&estimates, &parameters, reading_s);
         atomic::write(&table, text.as_bytes())?;
+        if let Some(picture) = &self.figure {
+            self.draw(&source, &map, &parameters, (start, &estimates), picture)?;
+        }
         let errors = source
             .truth
             .as_ref()
@@ -226,6 +233,45 @@ impl Arguments {
             Some(mae_m) => print(&format!("mean absolute position error {mae_m:.4} m\n"))?,
             None => eprintln!("no truth.tum: no error to tell"),
         }
+        Ok(())
+    }
+
+    /// Draws path, truth and wheels over the map.
+    fn draw(
+        &self,
+        source: &RecordingSource,
+        map: &MapImage,
+        parameters: &Parameters,
+        (start, found): (Pose, &[Estimate]),
+        picture: &Path,
+    ) -> Result<()> {
+        let period_s = parameters.period_s();
+        let mut wheels = Trajectory {
+            t_s: vec![0.0],
+            poses: vec![start],
+        };
+        let mut pose = start;
+        for number in 0..(source.duration_s() / period_s) as usize {
+            let [from_s, to_s] = [number, number + 1].map(|n| n as f64 * period_s);
+            let mean = mean_over_time(&source.odometry, from_s, to_s);
+            pose = advance(&pose, mean, period_s, parameters.filter.integration);
+            wheels.t_s.push(to_s);
+            wheels.poses.push(pose);
+        }
+        let particles = parameters.filter.particles.max(1) as f64;
+        let fit: Vec<f64> = found
+            .iter()
+            .map(|estimate| estimate.effective_sample_size / particles)
+            .collect();
+        let shown = Localization {
+            map,
+            path: &offline::trajectory(found),
+            truth: source.truth.as_ref(),
+            wheels: &wheels,
+            fit: &fit,
+        };
+        figures::localization::draw(&shown, picture)?;
+        eprintln!("wrote {}", picture.display());
         Ok(())
     }
 

@@ -6,6 +6,7 @@ mod bench;
 mod check;
 mod estimates;
 mod figures;
+mod import;
 mod landmarks;
 mod list;
 mod localize;
@@ -51,6 +52,8 @@ enum Command {
     Transmit(transmit::Arguments),
     /// Build a map from recordings with known poses.
     Map(map::Arguments),
+    /// Make a recording of a ROS 2 bag.
+    Import(import::Arguments),
     /// Look at a recording before it is trusted.
     Record(record::Arguments),
     /// Localize the robot of a recording in a map.
@@ -88,6 +91,7 @@ impl Cli {
             Command::Simulate(arguments) => arguments.run(json),
             Command::Transmit(arguments) => arguments.run(json),
             Command::Map(arguments) => arguments.run(json),
+            Command::Import(arguments) => arguments.run(json),
             Command::Record(arguments) => arguments.run(json),
             Command::Localize(arguments) => arguments.run(json),
             Command::Slam(arguments) => arguments.run(json),

@@ -146,6 +146,9 @@ impl Arguments {
     /// Folder of the requested pictures and the time between two, seconds.
     fn pictures(&self) -> Result<Option<(PathBuf, f64)>> {
         match (&self.snapshots, self.every) {
+            (Some(_), Some(_)) if self.engine.engine == Engine::ImageSource => bail!(
+                "--snapshots: image sources have no field to show; leave it out, or use --engine fdtd"
+            ),
             (Some(folder), Some(every_s)) if every_s.is_finite() && every_s > 0.0 => {
                 Ok(Some((folder.clone(), every_s)))
             }

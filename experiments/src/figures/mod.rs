@@ -5,6 +5,7 @@ pub mod drawing;
 pub(crate) mod field;
 pub(crate) mod landmarks;
 pub mod inspection;
+pub mod localization;
 pub mod scene;
 pub mod snapshot;
 

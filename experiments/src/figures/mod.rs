@@ -3,8 +3,8 @@
 pub mod animation;
 pub mod drawing;
 pub(crate) mod field;
-pub(crate) mod landmarks;
 pub mod inspection;
+pub(crate) mod landmarks;
 pub mod localization;
 pub mod scene;
 pub mod snapshot;

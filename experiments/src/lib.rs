@@ -1,11 +1,13 @@
 //! The papers' studies: recordings are simulated, localized and measured; data files are drawn and checked. The command
 //! line tool `echolot` is in [`cli`].
 
+pub mod bag;
 pub mod bench;
 pub mod check;
 pub mod cli;
 pub mod data;
 pub mod figures;
+pub mod inspection;
 pub mod metrics;
 pub mod recordings;
 pub mod run;

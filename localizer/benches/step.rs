@@ -5,7 +5,7 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use localizer::echo::DopplerBank;
 use localizer::filter::particle_filter::ParticleFilter;
-use localizer::image::map_image::{self, MapImage};
+use localizer::image::{MapImage, map_builder};
 use localizer::parameters::FilterParameters;
 use localizer::{EchoBlock, EchoSequence, Method, Odometry, Parameters, Pose};
 
@@ -47,7 +47,7 @@ fn echoes_and_map(parameters: &Parameters, bank: &DopplerBank) -> Option<(EchoBl
         blocks: vec![block.clone()],
         odometry: vec![odometry],
     };
-    let map = map_image::build(&[(&sequence, &[Pose::default()])]).ok()?;
+    let map = map_builder::build(&[(&sequence, &[Pose::default()])]).ok()?;
     Some((block, map))
 }
 

@@ -6,7 +6,7 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use localizer::image::map_image;
+use localizer::image::map_builder;
 use localizer::{Method, Parameters, Recording, echo, offline};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .truth
         .as_ref()
         .ok_or("the map needs true poses (truth.tum)")?;
-    let map = map_image::build(&[(&echoes, &echoes.poses(truth))])?;
+    let map = map_builder::build(&[(&echoes, &echoes.poses(truth))])?;
     println!(
         "map of {} blocks: {} x {} cells of {} m",
         echoes.blocks.len(),

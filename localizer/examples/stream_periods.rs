@@ -6,7 +6,7 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 
-use localizer::image::map_image;
+use localizer::image::map_builder;
 use localizer::odometry::OdometrySample;
 use localizer::recording::RecordingMeta;
 use localizer::signal::waveform::m_sequence;
@@ -66,6 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let t_s: Vec<f64> = (0..=PERIODS).map(|n| n as f64 * period_s).collect();
     let mapping = Recording {
+        unheard: Vec::new(),
         signal: drive(&parameters),
         direct: None,
         odometry: t_s.iter().map(|&t_s| odometry_at(t_s)).collect(),
@@ -77,7 +78,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         t_s: ends_s.to_vec(),
     };
     let echoes = echo::measure(&mapping, &parameters)?;
-    let map = map_image::build(&[(&echoes, &echoes.poses(&truth))])?;
+    let map = map_builder::build(&[(&echoes, &echoes.poses(&truth))])?;
 
     // The stream: one period of samples and the mean odometry during it at a time.
     let mut localizer = Localizer::new(&parameters, map, pose_at(0.0), 1)?;

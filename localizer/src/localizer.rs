@@ -16,14 +16,14 @@ use crate::signal::direct_wave;
 /// ```
 /// use std::path::Path;
 ///
-/// use localizer::image::map_image;
+/// use localizer::image::map_builder;
 /// use localizer::{Localizer, Parameters, Recording, echo};
 ///
 /// let mapping = Recording::read(Path::new("../examples/site_robot/mapping"))?;
 /// let parameters = Parameters::default().for_recording(&mapping.meta);
 /// let echoes = echo::measure(&mapping, &parameters)?;
 /// let truth = mapping.truth.as_ref().ok_or("no truth.tum")?;
-/// let map = map_image::build(&[(&echoes, &echoes.poses(truth))])?;
+/// let map = map_builder::build(&[(&echoes, &echoes.poses(truth))])?;
 ///
 /// let drive = Recording::read(Path::new("../examples/site_robot/drive"))?;
 /// let mut localizer = Localizer::new(&parameters, map, drive.start_pose(), 1)?;
@@ -80,9 +80,23 @@ impl Localizer {
     /// [`Error::Invalid`] for another number of samples than one period, samples or speeds that are not finite, or a
     /// speed above a tenth of that of sound. The step then has not taken place.
     pub fn step(&mut self, samples: &[f32], odometry: Odometry) -> Result<Option<Estimate>, Error> {
+        self.step_period(samples, true, odometry)
+    }
+
+    /// As [`Self::step`]; with `heard` false the samples are a gap of the sound: the estimate follows from odometry
+    /// alone until M whole periods have come in again.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn step_period(
+        &mut self,
+        samples: &[f32],
+        heard: bool,
+        odometry: Odometry,
+    ) -> Result<Option<Estimate>, Error> {
         // Section II-A: a block of the last M periods, one period later than the previous one.
-        self.buffer.push(samples, odometry)?;
-        let index = self.buffer.block_index();
+        self.buffer.push_period(samples, heard, odometry)?;
+        let (index, deaf) = (self.buffer.block_index(), self.buffer.is_deaf());
         let Some((received, recent)) = self.buffer.block() else {
             return Ok(None);
         };
@@ -92,6 +106,7 @@ impl Localizer {
             index,
             &recent[recent.len() - self.parameters.measurement.periods..],
         );
+        self.block.stationary |= deaf;
         self.bank.measure(
             received,
             self.block.odometry.v_mps,

@@ -5,6 +5,7 @@ use crate::echo::echo_blocks::EchoSequence;
 use crate::error::Error;
 use crate::filter::tracker::{Estimate, Tracker};
 use crate::image::map_image::MapImage;
+use crate::io::recording_source::RecordingSource;
 use crate::parameters::Parameters;
 use crate::pose::Pose;
 use crate::trajectory::Trajectory;
@@ -31,6 +32,27 @@ pub fn localize(
         .enumerate()
         .map(|(index, block)| tracker.update(block, echoes.recent_odometry(index), map))
         .collect())
+}
+
+/// As [`localize`] for a recording that is opened but not read: blocks are measured a few at a time, so that memory
+/// does not grow with the sound.
+///
+/// # Errors
+/// As [`crate::echo::measure`] and [`localize`].
+pub fn localize_source(
+    source: &RecordingSource,
+    map: &MapImage,
+    parameters: &Parameters,
+    start: Pose,
+    seed: u64,
+) -> Result<Vec<Estimate>, Error> {
+    let mut tracker = tracker(parameters, map, parameters, start, seed)?;
+    let mut estimates = Vec::new();
+    source.measure_each(parameters, &mut |block, recent| {
+        estimates.push(tracker.update(block, recent, map));
+        Ok(true)
+    })?;
+    Ok(estimates)
 }
 
 /// A tracker for blocks of echoes that were measured with the parameters `measured`, to be matched with `map`.

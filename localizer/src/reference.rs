@@ -10,7 +10,7 @@ use ndarray::{Array2, ArrayView2};
 use crate::parameters::{Parameters, TimeReference};
 use crate::pose::wrap_angle;
 use crate::signal::time_scale::{HALF_WIDTH, kernel};
-use crate::signal::waveform::transmit_period;
+use crate::signal::waveform;
 
 /// Eq. (2) and the sum over the periods of eq. (1): the block, zero beyond its ends, at
 /// `origin + (1 + excess) (k - origin)`, folded to one period.
@@ -39,7 +39,7 @@ pub fn sampling_ratio(parameters: &Parameters, v_mps: f64, direction: usize) -> 
 ///
 /// The circular correlation is a double sum, the Hilbert transform a naive Fourier sum.
 pub fn echo_intensity(parameters: &Parameters, block: &[f32], v_mps: f64) -> Array2<f64> {
-    let replica = transmit_period(&parameters.signal);
+    let replica = waveform::transmitted(parameters);
     let period = replica.len();
     let energy: f64 = replica.iter().map(|sample| sample * sample).sum();
     let origin = match parameters.measurement.time_reference {

@@ -14,7 +14,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use localizer::echo::DopplerBank;
-use localizer::image::map_image;
+use localizer::image::map_builder;
 use localizer::parameters::{FilterParameters, MeasurementParameters};
 use localizer::{
     DirectWave, EchoBlock, EchoSequence, Localizer, MapImage, Method, Odometry, Parameters, Pose,
@@ -98,7 +98,7 @@ fn map(parameters: &Parameters) -> MapImage {
         blocks: vec![block],
         odometry: vec![ODOMETRY],
     };
-    map_image::build(&[(&sequence, &[Pose::default()])]).unwrap()
+    map_builder::build(&[(&sequence, &[Pose::default()])]).unwrap()
 }
 
 #[test]

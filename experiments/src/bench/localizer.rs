@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::Result;
 use localizer::echo::DopplerBank;
 use localizer::filter::particle_filter::ParticleFilter;
-use localizer::image::map_image;
+use localizer::image::map_builder;
 use localizer::parameters::FilterParameters;
 use localizer::{EchoBlock, EchoSequence, MapImage, Method, Odometry, Parameters, Pose};
 use serde::Serialize;
@@ -105,7 +105,7 @@ fn map_of(parameters: &Parameters, block: &EchoBlock) -> Result<MapImage> {
         blocks: vec![block.clone()],
         odometry: vec![block.odometry],
     };
-    Ok(map_image::build(&[(&sequence, &[Pose::default()])])?)
+    Ok(map_builder::build(&[(&sequence, &[Pose::default()])])?)
 }
 
 /// Measures both stages.

@@ -1,12 +1,15 @@
 //! `echolot map`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use localizer::image::map_image;
-use localizer::{EchoSequence, Pose, Recording, echo, landmarks};
+use localizer::echo::block_stream::EachBlock;
+use localizer::image::map_builder::MapBuilder;
+use localizer::parameters::SignalParameters;
+use localizer::{EchoSequence, Parameters, Pose, Trajectory, echo, landmarks};
 
+use super::alignment::AlignmentArguments;
 use super::arguments::ParameterArguments;
 use super::output::print_json;
 use crate::run::interrupt;
@@ -43,6 +46,8 @@ pub(crate) struct Arguments {
     periods: Option<usize>,
     #[command(flatten)]
     parameters: ParameterArguments,
+    #[command(flatten)]
+    alignment: AlignmentArguments,
 }
 
 impl Arguments {
@@ -57,28 +62,34 @@ impl Arguments {
         let board = Board::new();
         let task = board.task("map", self.recordings.len() as u64);
         let mut drives: Vec<(EchoSequence, Vec<Pose>)> = Vec::new();
+        let mut images: Option<(MapBuilder, Parameters)> = None;
         for (index, folder) in self.recordings.iter().enumerate() {
             interrupt::check()?;
-            let recording = Recording::read(folder)?;
-            let Some(truth) = &recording.truth else {
+            let source = self.alignment.open(folder)?;
+            let Some(truth) = &source.truth else {
                 bail!(
                     "{}: truth.tum: is missing; a map needs the true poses of its drive",
                     folder.display()
                 );
             };
-            let sequence = echo::measure(&recording, &parameters.for_recording(&recording.meta))?;
-            let poses = sequence.poses(truth);
-            drives.push((sequence, poses));
+            let own = parameters.for_recording(&source.meta);
+            if self.method == MethodArgument::Landmarks {
+                let truth = truth.clone();
+                let sequence = echo::measure(&source.load()?, &own)?;
+                let poses = sequence.poses(&truth);
+                drives.push((sequence, poses));
+            } else {
+                let (map, first) =
+                    images.get_or_insert_with(|| (MapBuilder::new(&own), own.clone()));
+                check_alike(&first.signal, &own.signal, folder)?;
+                add(map, truth, &|each| source.measure_each(&own, each))?;
+            }
             task.set(index as u64 + 1);
         }
-        if self.method == MethodArgument::Landmarks {
+        let Some((map, _)) = images else {
             return super::landmarks::map(&drives, &self.output, json);
-        }
-        let parts: Vec<(&EchoSequence, &[Pose])> = drives
-            .iter()
-            .map(|(sequence, poses)| (sequence, poses.as_slice()))
-            .collect();
-        let map = map_image::build(&parts)?;
+        };
+        let map = map.finish()?;
         map.write(&self.output)?;
         let (rows, columns) = map.intensity.dim();
         if json {
@@ -97,4 +108,29 @@ impl Arguments {
         );
         Ok(())
     }
+}
+
+/// Hands blocks to a map with their true poses.
+type MeasureEach<'a> = dyn Fn(&mut EachBlock<'_>) -> Result<(), localizer::Error> + 'a;
+
+/// Adds the blocks of a drive to a map.
+fn add(map: &mut MapBuilder, truth: &Trajectory, measure: &MeasureEach<'_>) -> Result<()> {
+    measure(&mut |block, _| {
+        let pose = truth.pose_at(block.t_s).unwrap_or_default();
+        map.add(block, &pose)?;
+        Ok(true)
+    })?;
+    Ok(())
+}
+
+/// Refuses drives with other codes or sensors in one map.
+fn check_alike(first: &SignalParameters, own: &SignalParameters, folder: &Path) -> Result<()> {
+    if first == own {
+        return Ok(());
+    }
+    bail!(
+        "{}: was recorded with another code, speed of sound, rate or sensor than the first recording; make a map of \
+         recordings of one kind",
+        folder.display()
+    );
 }

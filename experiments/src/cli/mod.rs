@@ -1,19 +1,25 @@
 //! The command line of `echolot`, one file per command.
 
+mod alignment;
 mod arguments;
 mod bench;
 mod check;
+mod estimates;
 mod figures;
+mod import;
 mod landmarks;
 mod list;
 mod localize;
 mod map;
 mod output;
+mod record;
 mod reference;
 mod run;
 mod scene;
 mod simulate;
 mod slam;
+mod track;
+mod transmit;
 mod validate;
 
 use anyhow::Result;
@@ -42,12 +48,20 @@ enum Command {
     Scene(scene::Arguments),
     /// Simulate a drive in a scene and write the recording.
     Simulate(simulate::Arguments),
+    /// Write the sound that the loudspeaker plays, and its description.
+    Transmit(transmit::Arguments),
     /// Build a map from recordings with known poses.
     Map(map::Arguments),
+    /// Make a recording of a ROS 2 bag.
+    Import(import::Arguments),
+    /// Look at a recording before it is trusted.
+    Record(record::Arguments),
     /// Localize the robot of a recording in a map.
     Localize(localize::Arguments),
     /// Estimate a drive and the landmarks around it together, without map or truth.
     Slam(slam::Arguments),
+    /// Follow the robot live: sound on standard input, odometry beside it, poses on standard output.
+    Track(track::Arguments),
     /// Run the papers' studies.
     Run(run::Arguments),
     /// Draw the figures from data files.
@@ -75,9 +89,13 @@ impl Cli {
         match self.command {
             Command::Scene(arguments) => arguments.run(json),
             Command::Simulate(arguments) => arguments.run(json),
+            Command::Transmit(arguments) => arguments.run(json),
             Command::Map(arguments) => arguments.run(json),
+            Command::Import(arguments) => arguments.run(json),
+            Command::Record(arguments) => arguments.run(json),
             Command::Localize(arguments) => arguments.run(json),
             Command::Slam(arguments) => arguments.run(json),
+            Command::Track(arguments) => arguments.run(),
             Command::Run(arguments) => arguments.run(json),
             Command::Figures(arguments) => arguments.run(json),
             Command::Check(arguments) => arguments.run(json),

@@ -9,7 +9,6 @@ use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
 use fdtd::spread::Spread;
 use fdtd::walls::WallModel;
-use localizer::io::wav;
 
 use super::arguments::{EngineArguments, named};
 use super::output::print_json;
@@ -147,6 +146,9 @@ impl Arguments {
     /// Folder of the requested pictures and the time between two, seconds.
     fn pictures(&self) -> Result<Option<(PathBuf, f64)>> {
         match (&self.snapshots, self.every) {
+            (Some(_), Some(_)) if self.engine.engine == Engine::ImageSource => bail!(
+                "--snapshots: image sources have no field to show; leave it out, or use --engine fdtd"
+            ),
             (Some(folder), Some(every_s)) if every_s.is_finite() && every_s > 0.0 => {
                 Ok(Some((folder.clone(), every_s)))
             }
@@ -266,13 +268,9 @@ impl Arguments {
         if let Some(robot) = &robot {
             robot.apply(&mut recording, path, &spec.path);
         }
-        atomic::write_folder(&self.output, |folder| {
-            recording.write(folder)?;
-            if robot.is_some() {
-                let rate_hz = recording.meta.sample_rate_hz;
-                wav::write_pcm16(&folder.join("signal.wav"), &recording.signal, rate_hz)?;
-            }
-            Ok(())
+        atomic::write_folder(&self.output, |folder| match &robot {
+            Some(robot) => robot.write(&recording, &spec.path, folder),
+            None => Ok(recording.write(folder)?),
         })?;
         for path in leftovers.iter().filter(|path| path.exists()) {
             std::fs::remove_file(path)?;

@@ -3,7 +3,9 @@
 pub mod animation;
 pub mod drawing;
 pub(crate) mod field;
+pub mod inspection;
 pub(crate) mod landmarks;
+pub mod localization;
 pub mod scene;
 pub mod snapshot;
 

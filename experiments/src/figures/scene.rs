@@ -30,18 +30,35 @@ const STROKES: [Stroke; 6] = [
 /// When the picture cannot be written.
 pub fn draw(scene: &Scene, picture: &Path) -> Result<()> {
     let layout = Layout::of(scene);
+    let of_kind = |absorbing: bool| {
+        let mut own = layout.clone();
+        let walls = scene.walls.iter().zip(&layout.walls);
+        own.walls = walls
+            .filter(|(wall, _)| wall.impedance.is_some() == absorbing)
+            .map(|(_, wall)| wall.clone())
+            .collect();
+        own
+    };
+    let [rigid, soft] = [false, true].map(of_kind);
     canvas::draw(picture, 1600, 1100, |sheet| {
         let axes = layout::axes(&layout, sheet, [120.0, 80.0, 1030.0, 990.0]);
         axes.grid()?;
         layout::layer(&layout, &axes)?;
-        layout::walls(&layout, &axes, Stroke::solid(colour::BLACK, 7.0))?;
-        let mut entries = vec![
-            Entry::line(Stroke::solid(colour::BLACK, 8.0), "rigid wall"),
-            Entry::line(
-                Stroke::solid(colour::SKY, 26.0).faint(0.35),
-                "absorbing layer",
-            ),
+        layout::walls(&rigid, &axes, Stroke::solid(colour::BLACK, 7.0))?;
+        layout::walls(&soft, &axes, Stroke::solid(colour::PURPLE, 7.0))?;
+        let kinds = [
+            (&rigid, colour::BLACK, "rigid wall"),
+            (&soft, colour::PURPLE, "absorbing wall"),
         ];
+        let mut entries: Vec<Entry> = kinds
+            .into_iter()
+            .filter(|(layout, ..)| !layout.walls.is_empty())
+            .map(|(_, colour, name)| Entry::line(Stroke::solid(colour, 8.0), name))
+            .collect();
+        entries.push(Entry::line(
+            Stroke::solid(colour::SKY, 26.0).faint(0.35),
+            "absorbing layer",
+        ));
         for (index, (name, drive)) in scene.paths.iter().enumerate() {
             let stroke = STROKES[index % STROKES.len()];
             let steps = (drive.duration_s() / STEP_S).ceil() as usize;

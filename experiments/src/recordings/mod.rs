@@ -9,6 +9,7 @@ pub mod noise;
 pub mod recording;
 pub mod robot;
 pub mod simulate;
+pub mod sound_card;
 pub mod spec;
 pub mod ultrasound;
 pub mod waveform;

@@ -248,6 +248,7 @@ impl Site {
             })
             .collect();
         Recording {
+            unheard: Vec::new(),
             signal,
             direct: None,
             odometry,

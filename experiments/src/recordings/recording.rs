@@ -86,6 +86,7 @@ pub fn recording(
     Ok(Recording {
         signal,
         direct: None,
+        unheard: Vec::new(),
         odometry,
         truth: Some(Trajectory {
             poses: times.iter().map(|&t_s| pose(t_s)).collect(),

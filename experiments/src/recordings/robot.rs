@@ -16,12 +16,15 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use fdtd::motion::DrivePath;
 use localizer::Recording;
+use localizer::io::wav;
 use localizer::odometry::OdometrySample;
 use localizer::random;
 use localizer::{Pose, Trajectory};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
+
+use super::sound_card::SoundCard;
 
 /// A Gauss-Markov process.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -57,6 +60,9 @@ pub struct Robot {
     pub microphone_noise_db: f64,
     /// Seed of all noise.
     pub seed: u64,
+    /// The sound card; none is a converter that starts with the first period on the loudspeaker's clock.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sound_card: Option<SoundCard>,
 }
 
 impl ColouredNoise {
@@ -114,7 +120,7 @@ impl Robot {
                 bail!("{field}: {value} is not finite; give a number");
             }
         }
-        Ok(())
+        self.sound_card.as_ref().map_or(Ok(()), SoundCard::check)
     }
 
     /// Odometry of a drive as the wheels report it. `name` selects the noise, which differs between drives.
@@ -145,15 +151,49 @@ impl Robot {
 
     /// Adds the microphone's noise to a signal.
     pub fn add_noise(&self, signal: &mut [f32], name: &str) {
+        let sigma = self.noise_sigma(signal);
+        self.add_noise_of(signal, sigma, name, "microphone");
+    }
+
+    /// Standard deviation of the microphone's noise.
+    fn noise_sigma(&self, signal: &[f32]) -> f64 {
         let power: f64 = signal.iter().map(|sample| f64::from(*sample).powi(2)).sum();
-        let sigma = (power / signal.len().max(1) as f64).sqrt()
-            * 10_f64.powf(0.05 * self.microphone_noise_db);
+        (power / signal.len().max(1) as f64).sqrt() * 10_f64.powf(0.05 * self.microphone_noise_db)
+    }
+
+    fn add_noise_of(&self, signal: &mut [f32], sigma: f64, name: &str, purpose: &str) {
         let seed = random::trial_seed("robot", name, self.seed);
-        let mut random = random::stream(seed, "microphone");
+        let mut random = random::stream(seed, purpose);
         for sample in signal {
             let noise: f64 = StandardNormal.sample(&mut random);
             *sample += (sigma * noise) as f32;
         }
+    }
+
+    /// Writes a recording of [`Self::apply`] into a folder, through the sound card or a 16-bit converter.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn write(&self, recording: &Recording, name: &str, folder: &Path) -> Result<()> {
+        let rate_hz = recording.meta.sample_rate_hz;
+        let Some(card) = &self.sound_card else {
+            recording.write(folder)?;
+            wav::write_pcm16(&folder.join("signal.wav"), &recording.signal, rate_hz)?;
+            return Ok(());
+        };
+        let sigma = self.noise_sigma(&recording.signal);
+        let sound = card.recorded(&recording.signal, rate_hz);
+        let channels: Vec<Vec<f32>> = (1..=card.channels)
+            .map(|channel| {
+                let mut samples = match channel == card.channel {
+                    true => sound.clone(),
+                    false => vec![0.0; sound.len()],
+                };
+                self.add_noise_of(&mut samples, sigma, name, &format!("channel {channel}"));
+                samples
+            })
+            .collect();
+        card.write(recording, &channels, folder)
     }
 
     /// Truth of a drive as the tracking system reports it: true poses at its own rate.
@@ -180,13 +220,16 @@ impl Robot {
     pub fn apply(&self, recording: &mut Recording, path: &DrivePath, name: &str) {
         recording.odometry = self.odometry(path, name);
         recording.truth = Some(self.tracking(path));
-        recording.meta.odometry_clock_s = self.odometry_clock_s;
-        recording.meta.truth_clock_s = self.tracking_clock_s;
+        recording.meta.odometry_clock_s = Some(self.odometry_clock_s);
+        recording.meta.truth_clock_s = Some(self.tracking_clock_s);
         if let Some(provenance) = recording.meta.provenance.as_object_mut() {
             provenance.remove("odometry_bias_radps");
             provenance.insert("robot".to_string(), serde_json::json!(self));
         }
-        self.add_noise(&mut recording.signal, name);
+        // A sound card has its noise at its own rate.
+        if self.sound_card.is_none() {
+            self.add_noise(&mut recording.signal, name);
+        }
     }
 }
 

@@ -92,7 +92,7 @@ pub fn signal(
     }
 }
 
-/// The signal by image sources. Without walls it is the direct wave, which is zero for a coincident pair.
+/// The signal by image sources, with the direct wave of a pair that is apart.
 fn image_signal(scene: &Scene, spec: &RecordingSpec) -> Result<Vec<f32>> {
     let walls: &[fdtd::walls::Wall] = if spec.free_field { &[] } else { &scene.walls };
     if let Some(index) = walls.iter().position(|wall| wall.impedance.is_some()) {
@@ -115,6 +115,7 @@ fn image_signal(scene: &Scene, spec: &RecordingSpec) -> Result<Vec<f32>> {
         scene.sample_rate_hz,
         &ImageSourceOptions {
             max_order: spec.image_order,
+            include_direct: true,
             stamped: spec.stamped,
             ..ImageSourceOptions::default()
         },

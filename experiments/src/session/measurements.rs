@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use anyhow::{Context, Result};
 use fdtd::scheme::Scheme;
-use localizer::image::map_image::{self, MapImage};
+use localizer::image::{MapImage, map_builder};
 use localizer::{EchoSequence, Parameters, Recording, echo};
 
 use super::recordings::Recordings;
@@ -95,7 +95,7 @@ pub fn map_of(recording: &Recording, sequence: &EchoSequence) -> Result<MapImage
         .truth
         .as_ref()
         .context("recording: truth.tum: is missing; a map needs the true poses of its drive")?;
-    Ok(map_image::build(&[(sequence, &sequence.poses(truth))])?)
+    Ok(map_builder::build(&[(sequence, &sequence.poses(truth))])?)
 }
 
 /// The parameters with the filter's set to those of `base`: equal for trials that can share measured echoes and map.

@@ -70,8 +70,9 @@ impl Session {
 
     /// Loads the scene of a plan.
     fn with(request: &Request, plan: Plan, results: PathBuf) -> Result<Self> {
-        let scene = Arc::new(Scene::load(&plan.scene)?);
-        let robot = plan.robot.as_deref().map(Robot::read).transpose()?;
+        let scene = Arc::new(Scene::load(&of_project(&plan.scene))?);
+        let robot = plan.robot.as_deref().map(of_project);
+        let robot = robot.as_deref().map(Robot::read).transpose()?;
         let mut parameters = parameters_of(&scene, &request.parameters);
         parameters.measurement.periods = plan.periods;
         parameters.filter.window_half_width_m = plan.half_width_m;
@@ -121,5 +122,19 @@ impl Session {
             self.request.side_by_side,
             &self.board,
         )
+    }
+}
+
+/// A file of the project: in the folder in which the program runs, else in the project's own, wherever that is.
+fn of_project(path: &Path) -> PathBuf {
+    let program = std::env::current_exe().unwrap_or_default();
+    let built = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
+    let folders = program.ancestors().skip(1).chain(built);
+    let elsewhere = folders
+        .map(|folder| folder.join(path))
+        .find(|found| found.exists());
+    match path.exists() {
+        true => path.to_owned(),
+        false => elsewhere.unwrap_or_else(|| path.to_owned()),
     }
 }

@@ -171,7 +171,8 @@ impl Recordings {
     pub fn read(&self, spec: &RecordingSpec, with_direct: bool) -> Result<Recording> {
         let read = |spec: &RecordingSpec| -> Result<Recording> {
             let folder = self.cache.recording(&self.key(spec)?);
-            Recording::read(&folder).with_context(|| format!("recording of {}", self.label(spec)))
+            Recording::read_aligned(&folder)
+                .with_context(|| format!("recording of {}", self.label(spec)))
         };
         let mut recording = read(spec)?;
         if with_direct || self.direct_wave == DirectWave::FreeField {

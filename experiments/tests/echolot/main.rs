@@ -8,5 +8,6 @@ mod example;
 mod figures;
 mod interruption;
 mod landmarks;
+mod robot;
 mod room;
 mod snapshots;

@@ -19,6 +19,8 @@ pub struct BlockBuffer {
     /// One mean per period: the last M + 1 of them, oldest first.
     odometry: Vec<Odometry>,
     count: usize,
+    /// Periods since the last that was not heard.
+    since_deaf: usize,
 }
 
 impl BlockBuffer {
@@ -38,6 +40,7 @@ impl BlockBuffer {
             block: vec![0.0; period * periods],
             odometry: Vec::with_capacity(periods + 2),
             count: 0,
+            since_deaf: periods,
         }
     }
 
@@ -47,6 +50,20 @@ impl BlockBuffer {
     /// [`Error::Invalid`] for another number of samples than L_s, a sample that is not finite, or a speed that is not
     /// finite or above a tenth of that of sound. The buffer is then unchanged.
     pub fn push(&mut self, samples: &[f32], odometry: Odometry) -> Result<(), Error> {
+        self.push_period(samples, true, odometry)
+    }
+
+    /// As [`Self::push`]; with `heard` false the samples are no sound of this drive (a gap): they do not count for the
+    /// direct wave, and blocks with them are [deaf](Self::is_deaf).
+    ///
+    /// # Errors
+    /// As [`Self::push`].
+    pub fn push_period(
+        &mut self,
+        samples: &[f32],
+        heard: bool,
+        odometry: Odometry,
+    ) -> Result<(), Error> {
         if samples.len() != self.period {
             let problem = format!("{} samples were given", samples.len());
             return Err(Error::invalid(
@@ -69,7 +86,12 @@ impl BlockBuffer {
         self.received.copy_within(self.period.., 0);
         let start = self.received.len() - self.period;
         self.received[start..].copy_from_slice(samples);
-        self.direct.push(samples);
+        if heard {
+            self.direct.push(samples);
+            self.since_deaf += 1;
+        } else {
+            self.since_deaf = 0;
+        }
         if self.odometry.len() > self.periods {
             self.odometry.remove(0);
         }
@@ -87,6 +109,11 @@ impl BlockBuffer {
         self.direct.write(&mut self.direct_period);
         direct_wave::subtract_period(&self.received, &self.direct_period, &mut self.block);
         Some((&self.block, &self.odometry))
+    }
+
+    /// Whether a period of the newest block was not heard.
+    pub fn is_deaf(&self) -> bool {
+        self.since_deaf < self.periods
     }
 
     /// Index of the newest block, 0 for the one that starts at time 0.

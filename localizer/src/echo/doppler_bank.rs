@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::parameters::{Parameters, TimeReference};
 use crate::signal::matched_filter::{MatchedFilter, MatchedFilterScratch};
 use crate::signal::time_scale::{Branches, TimeScaler};
-use crate::signal::waveform::transmit_period;
+use crate::signal::waveform;
 
 /// A plan of eqs. (1)-(3) for one set of parameters.
 ///
@@ -91,7 +91,7 @@ impl DopplerBank {
             },
             resampler: TimeScaler::new(block_length),
             correlator: MatchedFilter::new(
-                &transmit_period(&parameters.signal),
+                &waveform::transmitted(parameters),
                 parameters.measurement.periods,
                 lags,
             ),

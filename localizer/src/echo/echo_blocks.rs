@@ -20,7 +20,7 @@ pub struct EchoBlock {
     pub t_s: f64,
     /// Mean odometry over the block.
     pub odometry: Odometry,
-    /// True if the robot is too slow for bearings: the block is neither matched nor mapped.
+    /// True if the robot is too slow for bearings, or the sound has a gap: the block is neither matched nor mapped.
     pub stationary: bool,
     /// H of eqs. (1)-(3): `[direction, delay in samples]`, 1 for an echo of amplitude 1.
     pub intensity: Array2<f32>,
@@ -118,6 +118,12 @@ pub fn measure(recording: &Recording, parameters: &Parameters) -> Result<EchoSeq
         |bank, scratch, index, samples, odometry| {
             let mut block = EchoBlock::empty(bank);
             block.set_motion(parameters, index, odometry);
+            let own = index..index + parameters.measurement.periods;
+            let next = recording.unheard.partition_point(|&period| period < index);
+            block.stationary |= recording
+                .unheard
+                .get(next)
+                .is_some_and(|period| own.contains(period));
             bank.measure(samples, block.odometry.v_mps, scratch, &mut block.intensity);
             block.set_toa(parameters.measurement.toa_image);
             block

@@ -1,6 +1,7 @@
 //! Echoes: from samples to the intensity H of every direction and delay (eqs. (1)-(3)).
 
 pub mod block_buffer;
+pub mod block_stream;
 pub mod doppler_bank;
 pub mod echo_blocks;
 pub mod noise_sweep;

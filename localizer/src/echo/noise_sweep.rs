@@ -196,6 +196,7 @@ mod tests {
                 },
             ];
             let mut recording = Recording {
+                unheard: Vec::new(),
                 signal: signal.clone(),
                 direct: Some(wave(0.31)),
                 odometry: [0.0, 1.0]

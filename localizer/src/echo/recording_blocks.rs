@@ -23,6 +23,8 @@ pub(crate) struct RecordingBlocks<'a> {
     pub(crate) signal: Cow<'a, [f32]>,
     /// Mean odometry of every period.
     pub(crate) odometry: Vec<Odometry>,
+    /// Periods that were not heard.
+    unheard: &'a [usize],
 }
 
 impl<'a> RecordingBlocks<'a> {
@@ -64,6 +66,7 @@ impl<'a> RecordingBlocks<'a> {
         };
         Ok(Self {
             odometry: recording.odometry_per_period(parameters.period_s(), count),
+            unheard: &recording.unheard,
             parameters,
             bank,
             signal,
@@ -79,7 +82,9 @@ impl<'a> RecordingBlocks<'a> {
         let mut estimate = DirectWaveEstimate::new(self.parameters);
         let mut direct_waves = Vec::with_capacity(self.odometry.len() + 1 - periods);
         for (index, samples) in signal.chunks_exact(period).enumerate() {
-            estimate.push(samples);
+            if self.unheard.binary_search(&index).is_err() {
+                estimate.push(samples);
+            }
             if index + 1 >= periods {
                 let mut direct = vec![0.0; period];
                 estimate.write(&mut direct);

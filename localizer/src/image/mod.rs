@@ -2,6 +2,7 @@
 
 pub(crate) mod bearing_index;
 pub mod echo_image;
+pub mod map_builder;
 pub mod map_image;
 
 pub use echo_image::ImageWindow;

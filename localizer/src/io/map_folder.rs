@@ -4,7 +4,7 @@ use std::hash::Hasher;
 use std::path::Path;
 
 use fnv::FnvHasher;
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2, s};
 use ndarray_npy::{ReadNpyExt, WriteNpyExt};
 use serde::{Deserialize, Serialize};
 
@@ -36,9 +36,15 @@ impl MapImage {
         files::make_folder(folder)?;
         write_npy(&folder.join("map.npy"), &self.intensity)?;
         write_npy(&folder.join("map_toa.npy"), &self.toa_only)?;
-        files::write_bytes(&folder.join("map.pgm"), &occupancy_picture(&self.intensity))?;
+        let [rows, columns] = heard(&self.intensity);
+        let picture = self
+            .intensity
+            .slice(s![rows[0]..rows[1], columns[0]..columns[1]]);
+        files::write_bytes(&folder.join("map.pgm"), &occupancy_picture(picture))?;
         // A map server's origin is the lower left corner of the lower left cell.
-        let [x_m, y_m] = self.origin_m().map(|centre| centre - 0.5 * self.cell_m);
+        let corner = [columns[0], rows[0]].map(|cell| cell as f64 - 0.5);
+        let origin = self.origin_m();
+        let [x_m, y_m] = [0, 1].map(|axis| origin[axis] + self.cell_m * corner[axis]);
         let yaml = format!(
             "image: map.pgm\nresolution: {:.6}\norigin: [{x_m:.6}, {y_m:.6}, 0.0]\n\
              negate: 0\noccupied_thresh: 0.5\nfree_thresh: 0.2\n",
@@ -139,8 +145,31 @@ fn hash(map: &MapImage) -> String {
     format!("{:016x}", hasher.finish())
 }
 
+/// Share of the brightest cell from which on a cell was heard.
+const HEARD: f32 = 0.3;
+
+/// Cells kept around what was heard.
+const AROUND: usize = 5;
+
+/// First and last row, and column, of what was heard; all of a map in which nothing stands out.
+fn heard(layer: &Array2<f32>) -> [[usize; 2]; 2] {
+    let least = HEARD * layer.iter().copied().fold(0.0_f32, f32::max);
+    let (rows, columns) = layer.dim();
+    let bright = layer.indexed_iter().filter(|(_, value)| **value >= least);
+    let ends = bright.fold([[rows, 0], [columns, 0]], |[y, x], ((row, column), _)| {
+        [
+            [y[0].min(row), y[1].max(row + 1)],
+            [x[0].min(column), x[1].max(column + 1)],
+        ]
+    });
+    [(ends[0], rows), (ends[1], columns)].map(|([first, last], size)| match first < last {
+        true => [first.saturating_sub(AROUND), (last + AROUND).min(size)],
+        false => [0, size],
+    })
+}
+
 /// A binary PGM, dark where the map is bright, upper row first.
-fn occupancy_picture(layer: &Array2<f32>) -> Vec<u8> {
+fn occupancy_picture(layer: ArrayView2<'_, f32>) -> Vec<u8> {
     let largest = layer.iter().copied().fold(0.0_f32, f32::max);
     let scale = if largest > 0.0 { 255.0 / largest } else { 0.0 };
     let mut bytes = format!("P5\n{} {}\n255\n", layer.ncols(), layer.nrows()).into_bytes();

@@ -2,64 +2,33 @@
 
 use std::path::Path;
 
+use super::recording_meta::optional;
+use super::recording_source::{ReadOptions, RecordingSource};
+use super::wav::WavStream;
 use super::{files, odometry_csv, wav};
 use crate::error::Error;
-use crate::parameters::Parameters;
-use crate::recording::{Recording, RecordingMeta};
-use crate::trajectory::Trajectory;
+use crate::recording::Recording;
 
 impl Recording {
-    /// Reads a recording folder.
+    /// Reads a recording folder, and finds what its `recording.json` leaves out of rate, alignment and clocks
+    /// ([`RecordingSource`]).
     ///
     /// # Errors
     /// [`Error`] with the file and the field that is missing, damaged, or does not fit the others.
     pub fn read(folder: &Path) -> Result<Self, Error> {
-        if !folder.is_dir() {
-            let remedy = "give a folder with signal.wav, odometry.csv and recording.json";
-            return Err(Error::invalid(
-                folder.display(),
-                "recording",
-                "is not a folder",
-                remedy,
-            ));
-        }
-        let meta_path = folder.join("recording.json");
-        let meta: RecordingMeta = files::read_json(&meta_path)?;
-        Parameters::default()
-            .for_recording(&meta)
-            .check()
-            .map_err(|error| match error {
-                Error::Invalid {
-                    field,
-                    problem,
-                    remedy,
-                    ..
-                } => Error::invalid(meta_path.display(), field, problem, remedy),
-                other => other,
-            })?;
-        let signal = wav::read(&folder.join("signal.wav"), meta.sample_rate_hz)?;
-        let direct_path = folder.join("direct.wav");
-        let direct = if direct_path.exists() {
-            Some(wav::read(&direct_path, meta.sample_rate_hz)?)
-        } else {
-            None
+        RecordingSource::open(folder, &ReadOptions::default())?.load()
+    }
+
+    /// Reads a recording folder that is aligned but for what its `recording.json` says: what is left out is zero.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_aligned(folder: &Path) -> Result<Self, Error> {
+        let options = ReadOptions {
+            aligned: true,
+            ..ReadOptions::default()
         };
-        let truth_path = folder.join("truth.tum");
-        let truth = if truth_path.exists() {
-            Some(Trajectory::read_tum(&truth_path)?)
-        } else {
-            None
-        };
-        let mut recording = Self {
-            signal,
-            direct,
-            odometry: odometry_csv::read(&folder.join("odometry.csv"))?,
-            truth,
-            meta,
-        };
-        recording.shift_clocks(-1.0);
-        recording.check(&folder.display().to_string())?;
-        Ok(recording)
+        RecordingSource::open(folder, &options)?.load()
     }
 
     /// Writes a recording folder, making it if necessary. Every file is written under a temporary name and renamed.
@@ -80,6 +49,7 @@ impl Recording {
         let mut logs = Self {
             signal: Vec::new(),
             direct: None,
+            unheard: Vec::new(),
             odometry: self.odometry.clone(),
             truth: self.truth.clone(),
             meta: self.meta.clone(),
@@ -94,14 +64,52 @@ impl Recording {
 
     /// Adds `sign` times the readings of the logs' own clocks at the first sample to their times.
     fn shift_clocks(&mut self, sign: f64) {
-        let shift_s = sign * self.meta.odometry_clock_s;
+        let shift_s = sign * self.meta.odometry_clock_s.unwrap_or(0.0);
         for sample in &mut self.odometry {
             sample.t_s += shift_s;
         }
-        let shift_s = sign * self.meta.truth_clock_s;
+        let shift_s = sign * self.meta.truth_clock_s.unwrap_or(0.0);
         for t_s in self.truth.iter_mut().flat_map(|truth| &mut truth.t_s) {
             *t_s += shift_s;
         }
+    }
+}
+
+impl RecordingSource {
+    /// Reads the sound of an opened recording.
+    ///
+    /// # Errors
+    /// [`Error`] when it is damaged or does not fit the logs.
+    pub fn load(self) -> Result<Recording, Error> {
+        let (mut signal, mut unheard) = (Vec::new(), Vec::new());
+        let direct = self.folder.join("direct.wav");
+        let rate_hz = self.meta.sample_rate_hz;
+        if self.is_aligned() {
+            // Nothing to do but to read, the part of a period at the end too.
+            let mut stream = WavStream::open(&self.folder.join("signal.wav"))?;
+            while stream.read(1 << 16, self.alignment.channel, &mut signal)? > 0 {}
+        } else {
+            let mut sound = self.sound()?;
+            for number in 0.. {
+                let Some((period, heard)) = sound.next_period()? else {
+                    break;
+                };
+                signal.extend_from_slice(&period);
+                if !heard {
+                    unheard.push(number);
+                }
+            }
+        }
+        let recording = Recording {
+            signal,
+            direct: optional(&direct, |path| wav::read(path, rate_hz))?,
+            odometry: self.odometry,
+            truth: self.truth,
+            unheard,
+            meta: self.meta,
+        };
+        recording.check(&self.folder.display().to_string())?;
+        Ok(recording)
     }
 }
 
@@ -135,8 +143,8 @@ mod tests {
     fn logs_keep_their_own_clocks_in_the_folder() {
         let folder = tempfile::tempdir().unwrap();
         let mut written = recording();
-        written.meta.odometry_clock_s = 512.25;
-        written.meta.truth_clock_s = 1.7e9;
+        written.meta.odometry_clock_s = Some(512.25);
+        written.meta.truth_clock_s = Some(1.7e9);
         written.meta.microphone_offset_m = [0.1, -0.02];
         written.write(folder.path()).unwrap();
         let text = std::fs::read_to_string(folder.path().join("truth.tum")).unwrap();

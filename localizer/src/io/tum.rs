@@ -8,6 +8,9 @@ use crate::error::Error;
 use crate::pose::{Pose, wrap_angle};
 use crate::trajectory::Trajectory;
 
+/// Largest tilt of a robot that drives on a floor, in degrees.
+const LARGEST_TILT_DEG: f64 = 20.0;
+
 impl Trajectory {
     /// Reads a TUM file. Lines that are empty or start with `#` are skipped.
     ///
@@ -57,6 +60,18 @@ impl Trajectory {
                     "the rotation is zero".to_owned(),
                     "write a unit quaternion, `0 0 0 1` for none",
                 ));
+            }
+            // The body's own z axis leaves the world's by the tilt.
+            let norm = qx * qx + qy * qy + qz * qz + qw * qw;
+            let tilt = |x: f64, y: f64| (1.0 - 2.0 * (x * x + y * y) / norm).acos().to_degrees();
+            if tilt(qx, qy) > LARGEST_TILT_DEG {
+                let looks = match tilt(qy, qz) <= LARGEST_TILT_DEG {
+                    true => "; it looks like the order qw qx qy qz",
+                    false => "",
+                };
+                let problem = format!("the robot is tilted by {:.0} degrees{looks}", tilt(qx, qy));
+                let remedy = "write `t x y z qx qy qz qw` with z upwards";
+                return Err(refuse(problem, remedy));
             }
             if trajectory.t_s.last().is_some_and(|&before| t_s <= before) {
                 return Err(refuse(
@@ -123,6 +138,8 @@ mod tests {
             ("0 1 2 0 0 0 0 x\n", "not all numbers"),
             ("0 1 nan 0 0 0 0 1\n", "not finite"),
             ("0 1 2 0 0 0 0 0\n", "rotation is zero"),
+            ("0 1 2 0 0.9689 0 0 0.2474\n", "qw qx qy qz"),
+            ("0 1 2 0 0 0.3827 0 0.9239\n", "tilted by 45 degrees"),
         ] {
             let message = Trajectory::from_tum(text, "a.tum").unwrap_err().to_string();
             assert!(

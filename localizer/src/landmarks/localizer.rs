@@ -223,14 +223,29 @@ impl LandmarkLocalizer {
     /// # Errors
     /// As [`crate::Localizer::step`].
     pub fn step(&mut self, samples: &[f32], odometry: Odometry) -> Result<Option<Estimate>, Error> {
+        self.step_period(samples, true, odometry)
+    }
+
+    /// As [`Self::step`]; with `heard` false the samples are a gap of the sound, see
+    /// [`crate::Localizer::step_period`].
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn step_period(
+        &mut self,
+        samples: &[f32],
+        heard: bool,
+        odometry: Odometry,
+    ) -> Result<Option<Estimate>, Error> {
         // A block of the last M periods, one period later than the previous one.
-        self.buffer.push(samples, odometry)?;
-        let index = self.buffer.block_index();
+        self.buffer.push_period(samples, heard, odometry)?;
+        let (index, deaf) = (self.buffer.block_index(), self.buffer.is_deaf());
         let Some((received, recent)) = self.buffer.block() else {
             return Ok(None);
         };
         let own = &recent[recent.len() - self.parameters.measurement.periods..];
         self.block.set_motion(&self.parameters, index, own);
+        self.block.stationary |= deaf;
         // H of every direction and delay, eqs. (1)-(3) of the paper.
         self.bank.measure(
             received,

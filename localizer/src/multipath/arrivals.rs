@@ -137,6 +137,7 @@ mod tests {
             })
             .collect();
         let recording = Recording {
+            unheard: Vec::new(),
             signal,
             direct: None,
             odometry: [0.0, 0.5, 1.0, 2.0]

@@ -71,7 +71,7 @@ macro_rules! conversions {
     ($($group:ident: $structure:ident { $($field:ident),+ $(,)? })+) => {
         impl From<&Parameters> for FlatParameters {
             fn from(parameters: &Parameters) -> Self {
-                let Parameters { $($group: $structure { $($field),+ }),+ } = *parameters;
+                let Parameters { $($group: $structure { $($field),+ },)+ transmitted: _ } = *parameters;
                 Self { $($($field,)+)+ _motion_model: MeanSpeed::MeanSpeed }
             }
         }
@@ -79,7 +79,7 @@ macro_rules! conversions {
         impl From<FlatParameters> for Parameters {
             fn from(flat: FlatParameters) -> Self {
                 let FlatParameters { $($($field,)+)+ _motion_model: _ } = flat;
-                Self { $($group: $structure { $($field),+ }),+ }
+                Self { $($group: $structure { $($field),+ },)+ transmitted: None }
             }
         }
     };

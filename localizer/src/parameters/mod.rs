@@ -6,6 +6,8 @@ mod json;
 mod measurement;
 mod signal;
 
+use std::sync::Arc;
+
 use crate::error::Error;
 
 pub use self::choices::{DirectWave, Integration, Method, Resampling, TimeReference, ToaImage};
@@ -38,6 +40,8 @@ pub struct Parameters {
     pub measurement: MeasurementParameters,
     /// Parameters of the filter alone.
     pub filter: FilterParameters,
+    /// One period of another waveform than the code's, fixed by the recording too. Not part of the JSON.
+    pub transmitted: Option<Arc<[f32]>>,
 }
 
 impl Parameters {
@@ -119,7 +123,12 @@ impl Parameters {
                 "give a fraction from 0 to 1",
             );
         }
-        if self.signal.code_order().is_none() {
+        if let Some(period) = &self.transmitted {
+            if period.len() != self.samples_per_period() {
+                let remedy = "give one period of the waveform at sample_rate_hz";
+                return refuse("transmitted", &period.len(), remedy);
+            }
+        } else if self.signal.code_order().is_none() {
             return refuse(
                 "code_length",
                 &self.signal.code_length,
@@ -135,8 +144,9 @@ impl Parameters {
                 "choose it so that a whole number of samples makes one period of the code",
             );
         }
-        if self.signal.carrier_hz + 0.5 * self.signal.chip_rate_hz
-            > 0.5 * self.signal.sample_rate_hz
+        if self.transmitted.is_none()
+            && self.signal.carrier_hz + 0.5 * self.signal.chip_rate_hz
+                > 0.5 * self.signal.sample_rate_hz
         {
             return refuse(
                 "carrier_hz",

@@ -1,5 +1,7 @@
 //! The content of `recording.json`.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::parameters::{Parameters, SignalParameters};
@@ -9,16 +11,30 @@ use crate::pose::Pose;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingMeta {
-    /// Sampling frequency f_s of the signal in Hz.
+    /// Sampling frequency f_s of the signal in Hz; in a file it may be left out for that of the WAV.
+    #[serde(default)]
     pub sample_rate_hz: f64,
-    /// Chips L of the transmitted M-sequence.
+    /// Chips L of the transmitted M-sequence; 1 with another waveform.
+    #[serde(default)]
     pub code_length: usize,
-    /// Chip rate 1/T_c in Hz.
+    /// Chip rate 1/T_c in Hz; periods a second with another waveform.
+    #[serde(default)]
     pub chip_rate_hz: f64,
-    /// Carrier frequency f_c in Hz.
+    /// Carrier frequency f_c in Hz; the centre of its power with another waveform.
+    #[serde(default)]
     pub carrier_hz: f64,
     /// Speed of sound in m/s.
+    #[serde(default)]
     pub speed_of_sound_mps: f64,
+    /// Time of the first sample of a period since the first sample of the signal in seconds; found when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub late_s: Option<f64>,
+    /// Excess of the recorder's rate over the loudspeaker's in parts per million; found when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift_ppm: Option<f64>,
+    /// Channel of `signal.wav`, the first is 1; the first with the code in it when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<usize>,
     /// Pose at time 0, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<Pose>,
@@ -28,15 +44,18 @@ pub struct RecordingMeta {
     /// Place of the microphone on the robot, `[forward, left]` in metres.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub microphone_offset_m: [f64; 2],
-    /// Reading of the clock of `odometry.csv` at the first sample of the signal, in seconds.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub odometry_clock_s: f64,
-    /// Reading of the clock of `truth.tum` at the first sample of the signal, in seconds.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub truth_clock_s: f64,
+    /// Reading of the clock of `odometry.csv` at the first sample of the signal in seconds; found when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub odometry_clock_s: Option<f64>,
+    /// Reading of the clock of `truth.tum` at the first sample of the signal in seconds; found when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth_clock_s: Option<f64>,
     /// Where the recording comes from, in any form.
     #[serde(default, skip_serializing_if = "serde_json::Value::is_null")]
     pub provenance: serde_json::Value,
+    /// One period of another waveform than the code's at `sample_rate_hz`: `transmitted.wav`.
+    #[serde(skip)]
+    pub transmitted: Option<Arc<[f32]>>,
 }
 
 /// Whether a field has its default and need not be written.
@@ -49,6 +68,7 @@ impl Parameters {
     pub fn for_recording(&self, meta: &RecordingMeta) -> Self {
         Self {
             signal: meta.signal_parameters(),
+            transmitted: meta.transmitted.clone(),
             ..self.clone()
         }
     }
@@ -86,9 +106,13 @@ impl RecordingMeta {
             start: None,
             loudspeaker_offset_m: [0.0; 2],
             microphone_offset_m: [0.0; 2],
-            odometry_clock_s: 0.0,
-            truth_clock_s: 0.0,
+            late_s: Some(0.0),
+            drift_ppm: Some(0.0),
+            channel: None,
+            odometry_clock_s: Some(0.0),
+            truth_clock_s: Some(0.0),
             provenance: serde_json::Value::Null,
+            transmitted: parameters.transmitted.clone(),
         }
     }
 }

@@ -13,7 +13,7 @@ use rustfft::{Fft, FftPlanner};
 
 use crate::error::Error;
 use crate::parameters::{DirectWave, Parameters};
-use crate::signal::waveform::transmit_period;
+use crate::signal::waveform;
 
 /// Running estimate of one period of the direct wave.
 pub struct DirectWaveEstimate {
@@ -77,7 +77,7 @@ impl DirectWaveEstimate {
 
 impl Gate {
     fn new(parameters: &Parameters) -> Self {
-        let transmitted = transmit_period(&parameters.signal);
+        let transmitted = waveform::transmitted(parameters);
         let length = transmitted.len();
         let mut spectrum: Vec<Complex<f64>> = transmitted
             .iter()
@@ -208,6 +208,7 @@ pub(crate) fn check_streaming(parameters: &Parameters) -> Result<(), Error> {
 mod tests {
     use super::*;
     use crate::parameters::MeasurementParameters;
+    use crate::signal::waveform::transmit_period;
 
     fn parameters(direct_wave: DirectWave) -> Parameters {
         Parameters {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::parameters::SignalParameters;
+use crate::parameters::{Parameters, SignalParameters};
 
 /// Feedback taps of a maximal-length shift register for every order from 2 to 18.
 const TAPS: [&[u32]; 17] = [
@@ -54,6 +54,14 @@ pub fn m_sequence(order: u32) -> Vec<i8> {
             chip
         })
         .collect()
+}
+
+/// One period of what the loudspeaker repeats: the recording's own waveform, else the code's.
+pub fn transmitted(parameters: &Parameters) -> Vec<f64> {
+    match &parameters.transmitted {
+        Some(period) => period.iter().map(|&sample| f64::from(sample)).collect(),
+        None => transmit_period(&parameters.signal),
+    }
 }
 
 /// One period of s(k): L_s = L T_c f_s samples at f_s, the carrier's sine times the chip.

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use crate::signals::{Drive, localization_drive, mapping_drive, mean_error_m, record, room};
 use localizer::echo::{EchoSequence, measure};
-use localizer::image::map_image;
+use localizer::image::map_builder;
 use localizer::offline::localize;
 use localizer::parameters::{FilterParameters, MeasurementParameters, SignalParameters};
 use localizer::{DirectWave, Localizer, MapImage, Method, Odometry, Parameters, Pose, Recording};
@@ -18,6 +18,7 @@ struct Fixture {
 
 fn parameters() -> Parameters {
     Parameters {
+        transmitted: None,
         signal: SignalParameters {
             speed_of_sound_mps: 343.2,
             ..SignalParameters::default()
@@ -39,7 +40,7 @@ static FIXTURE: LazyLock<Fixture> = LazyLock::new(|| {
     let mapping = record(&parameters, &mapping_drive(30.0), &room(), 4.0, 0.0);
     let echoes = measure(&mapping, &parameters).unwrap();
     let poses = echoes.poses(mapping.truth.as_ref().unwrap());
-    let map = map_image::build(&[(&echoes, &poses)]).unwrap();
+    let map = map_builder::build(&[(&echoes, &poses)]).unwrap();
     let drive = localization_drive(18.0);
     let recording = record(&parameters, &drive, &room(), 4.0, 0.01);
     let echoes = measure(&recording, &parameters).unwrap();

@@ -123,6 +123,7 @@ fn the_start_reference_shifts_the_delay_to_the_blocks_start() {
 fn the_bank_agrees_with_the_printed_sums() {
     // A short code keeps the naive double sums affordable.
     let parameters = Parameters {
+        transmitted: None,
         signal: SignalParameters {
             code_length: 63,
             speed_of_sound_mps: 336.0,

@@ -159,6 +159,7 @@ pub(crate) fn record(
             .take_while(|&t_s| t_s <= drive.duration_s)
     };
     Recording {
+        unheard: Vec::new(),
         signal,
         direct: Some(direct_wave),
         odometry: times()

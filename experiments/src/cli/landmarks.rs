@@ -7,7 +7,7 @@ use localizer::landmarks::{self, Estimate, LandmarkMap, Noise, Start, Status};
 use localizer::{EchoSequence, Parameters, Pose, Recording, Trajectory, echo};
 
 use super::output::{print, print_json};
-use crate::data::atomic;
+use crate::data::{atomic, estimate, manifest};
 use crate::metrics::{mean, quantile, rounded};
 use crate::run::progress::Board;
 
@@ -21,7 +21,7 @@ pub(super) fn map(drives: &[(EchoSequence, Vec<Pose>)], output: &Path, json: boo
         .map(|(sequence, poses)| (sequence, poses.as_slice()))
         .collect();
     let map = landmarks::learn(&parts)?;
-    map.write(output)?;
+    manifest::put_into(output, |folder| Ok(map.write(folder)?))?;
     let walls = map
         .landmarks
         .iter()
@@ -67,7 +67,7 @@ pub(super) fn localize(
         t_s: estimates.iter().map(|estimate| estimate.t_s).collect(),
         poses: estimates.iter().map(|estimate| estimate.pose).collect(),
     };
-    trajectory.write_tum(output)?;
+    estimate::write(output, &trajectory)?;
     let table = output.with_extension("csv");
     atomic::write(&table, csv(&estimates).as_bytes())?;
     let scores = recording
@@ -167,6 +167,11 @@ impl Scores {
             heading_mae_rad: mean(&headings),
         }
     }
+}
+
+/// Whether bytes are a table that this command wrote.
+pub(super) fn is_table(bytes: &[u8]) -> bool {
+    bytes.starts_with(csv(&[]).as_bytes())
 }
 
 /// The estimates as a table.

@@ -8,9 +8,11 @@ use localizer::landmarks::{LandmarkMap, Start};
 use localizer::pose::wrap_angle;
 use localizer::{MapImage, Method, Pose, Recording, echo, offline};
 
-use super::arguments::ParameterArguments;
+use super::arguments::{ForceArgument, ParameterArguments, files_of_map, files_of_recording};
 use super::landmarks;
 use super::output::{print, print_json};
+use crate::data::estimate;
+use crate::data::place::Place;
 use crate::metrics::{mean, quantile, rounded};
 use crate::run::progress::Board;
 
@@ -77,6 +79,8 @@ pub(crate) struct Arguments {
     start: Option<StartArgument>,
     #[command(flatten)]
     parameters: ParameterArguments,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 /// Start of a drive.
@@ -145,8 +149,32 @@ impl Arguments {
         landmarks::localize(recording, &map, &parameters, &start, &self.output, json)
     }
 
+    /// Checks the place of the trajectory, and of the table beside it.
+    fn check_output(&self) -> Result<()> {
+        let mut inputs = files_of_recording(&self.recording);
+        inputs.extend(files_of_map(&self.map));
+        inputs.extend(self.parameters.parameters.clone());
+        let table = self.output.with_extension("csv");
+        let place = |path| Place {
+            inputs: inputs.clone(),
+            ..Place::of(path, self.force.force)
+        };
+        place(&self.output).file(estimate::is_ours)?;
+        if self.method == MethodArgument::Landmarks {
+            if table == self.output {
+                bail!(
+                    "{}: is the name of the table beside the trajectory; give one that ends in .tum",
+                    table.display()
+                );
+            }
+            place(&table).file(landmarks::is_table)?;
+        }
+        Ok(())
+    }
+
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
+        self.check_output()?;
         let recording = Recording::read(&self.recording)?;
         let Some(method) = self.method.of_images() else {
             return self.among_landmarks(&recording, json);
@@ -175,7 +203,7 @@ impl Arguments {
         task.set(1);
         let estimates = offline::localize(&sequence, &map, &parameters, start, self.seed)?;
         task.finish();
-        offline::trajectory(&estimates).write_tum(&self.output)?;
+        estimate::write(&self.output, &offline::trajectory(&estimates))?;
         let errors: Option<Vec<f64>> = recording.truth.as_ref().map(|truth| {
             let distance =
                 |t_s: f64, pose: &Pose| truth.pose_at(t_s).map(|truth| pose.distance_m(&truth));

@@ -7,8 +7,10 @@ use clap::ValueEnum;
 use localizer::image::map_image;
 use localizer::{EchoSequence, Pose, Recording, echo, landmarks};
 
-use super::arguments::ParameterArguments;
+use super::arguments::{ForceArgument, ParameterArguments, files_of_recording};
 use super::output::print_json;
+use crate::data::manifest;
+use crate::data::place::Place;
 use crate::run::interrupt;
 use crate::run::progress::Board;
 
@@ -43,11 +45,45 @@ pub(crate) struct Arguments {
     periods: Option<usize>,
     #[command(flatten)]
     parameters: ParameterArguments,
+    #[command(flatten)]
+    force: ForceArgument,
+}
+
+impl MethodArgument {
+    /// Names of the files of such a map.
+    fn files(self) -> &'static [&'static str] {
+        match self {
+            Self::Images => &["map.json", "map.npy", "map_toa.npy", "map.pgm", "map.yaml"],
+            Self::Landmarks => &[
+                "landmarks.json",
+                "landmarks.geojson",
+                "landmarks.pgm",
+                "landmarks.yaml",
+            ],
+        }
+    }
 }
 
 impl Arguments {
+    /// Checks the place of the map.
+    fn check_output(&self) -> Result<()> {
+        let recordings = self.recordings.iter();
+        let mut inputs: Vec<PathBuf> = recordings
+            .flat_map(|folder| files_of_recording(folder))
+            .collect();
+        inputs.extend(self.parameters.parameters.clone());
+        let place = Place {
+            inputs,
+            // Some 20 m square in cells of 0.1 m, in two layers.
+            bytes: 1 << 20,
+            ..Place::of(&self.output, self.force.force)
+        };
+        place.files_in_folder(self.method.files())
+    }
+
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
+        self.check_output()?;
         let mut parameters = self.parameters.read()?;
         let usual = match (self.method, &self.parameters.parameters) {
             (MethodArgument::Landmarks, None) => landmarks::PERIODS,
@@ -79,7 +115,7 @@ impl Arguments {
             .map(|(sequence, poses)| (sequence, poses.as_slice()))
             .collect();
         let map = map_image::build(&parts)?;
-        map.write(&self.output)?;
+        manifest::put_into(&self.output, |folder| Ok(map.write(folder)?))?;
         let (rows, columns) = map.intensity.dim();
         if json {
             return print_json(&serde_json::json!({

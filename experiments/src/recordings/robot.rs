@@ -23,6 +23,8 @@ use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
+use crate::data::json;
+
 /// A Gauss-Markov process.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -82,10 +84,8 @@ impl Robot {
     /// # Errors
     /// When the file cannot be read, has other fields, or a value cannot be used.
     pub fn read(path: &Path) -> Result<Self> {
-        let origin = || path.display().to_string();
-        let text = std::fs::read_to_string(path).with_context(origin)?;
-        let robot: Self = serde_json::from_str(&text).with_context(origin)?;
-        robot.check().with_context(origin)?;
+        let robot: Self = json::read(path)?;
+        robot.check().with_context(|| path.display().to_string())?;
         Ok(robot)
     }
 

@@ -6,6 +6,7 @@ mod commands;
 mod end_to_end;
 mod example;
 mod figures;
+mod files;
 mod interruption;
 mod landmarks;
 mod room;

@@ -29,36 +29,30 @@ fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
     hasher.finish()
 }
 
-fn save(file: &Path, fingerprint: &str, received: &[f32], state: &FieldState) -> Result<(), Error> {
-    let temporary = file.with_extension("tmp");
-    let write = || -> std::io::Result<()> {
-        let mut out = std::io::BufWriter::new(std::fs::File::create(&temporary)?);
-        writeln!(out, "{MAGIC} {fingerprint}")?;
-        let arrays = [
-            received,
-            &state.pressure,
-            &state.previous,
-            &state.layer_x,
-            &state.layer_y,
-            &state.surfaces,
-        ];
-        for array in arrays {
-            out.write_all(&(array.len() as u64).to_le_bytes())?;
+fn write(
+    out: &mut impl Write,
+    fingerprint: &str,
+    received: &[f32],
+    state: &FieldState,
+) -> std::io::Result<()> {
+    writeln!(out, "{MAGIC} {fingerprint}")?;
+    let arrays = [
+        received,
+        &state.pressure,
+        &state.previous,
+        &state.layer_x,
+        &state.layer_y,
+        &state.surfaces,
+    ];
+    for array in arrays {
+        out.write_all(&(array.len() as u64).to_le_bytes())?;
+    }
+    for array in arrays {
+        for number in array {
+            out.write_all(&number.to_le_bytes())?;
         }
-        for array in arrays {
-            for number in array {
-                out.write_all(&number.to_le_bytes())?;
-            }
-        }
-        out.write_all(&content_digest(&arrays).to_le_bytes())?;
-        out.into_inner()?.sync_all()?;
-        std::fs::rename(&temporary, file)
-    };
-    write().map_err(|source| {
-        // Nothing half-written stays behind; the first error is the one to report.
-        drop(std::fs::remove_file(&temporary));
-        Error::io(file, source)
-    })
+    }
+    out.write_all(&content_digest(&arrays).to_le_bytes())
 }
 
 fn content_digest(arrays: &[&[f32]]) -> u64 {
@@ -137,12 +131,39 @@ impl Simulation {
     /// # Errors
     /// [`Error::Io`] when it cannot be written.
     pub fn save_checkpoint(&self, file: &Path) -> Result<(), Error> {
-        save(
-            file,
+        let folder = match file.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let save = || -> std::io::Result<()> {
+            // Removed when it is dropped, so that nothing half-written stays behind.
+            let mut temporary = tempfile::NamedTempFile::new_in(folder)?;
+            self.write_checkpoint(&mut std::io::BufWriter::new(&mut temporary))?;
+            temporary.as_file().sync_all()?;
+            temporary.persist(file)?;
+            Ok(())
+        };
+        save().map_err(|source| Error::io(file, source))
+    }
+
+    /// Writes the bytes of a checkpoint.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_checkpoint(&self, out: &mut impl Write) -> std::io::Result<()> {
+        write(
+            out,
             &self.fingerprint(),
             &self.received,
             &self.field.state(),
-        )
+        )?;
+        out.flush()
+    }
+
+    /// Whether bytes begin as those of a checkpoint, of this version or another.
+    pub fn is_checkpoint(bytes: &[u8]) -> bool {
+        let words = MAGIC.rsplit_once(' ').map_or(MAGIC, |(words, _)| words);
+        bytes.starts_with(words.as_bytes())
     }
 
     /// Continues from a checkpoint: the run then gives the same bytes as one without an interruption.

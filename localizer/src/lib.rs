@@ -58,6 +58,7 @@ pub mod io;
 pub mod landmarks;
 pub mod likelihood;
 pub mod localizer;
+pub mod memory;
 pub mod multipath;
 pub mod odometry;
 pub mod offline;

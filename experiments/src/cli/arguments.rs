@@ -78,6 +78,15 @@ impl ParameterArguments {
     }
 }
 
+/// More threads than any grid has strips for.
+const MOST_THREADS: usize = 1024;
+
+/// Reads a number of threads.
+pub(super) fn threads(text: &str) -> Result<usize, String> {
+    let threads = text.parse().ok().filter(|&threads| threads <= MOST_THREADS);
+    threads.ok_or_else(|| format!("give 0 to {MOST_THREADS}"))
+}
+
 /// Reads an argument by its spelling in files (`slf`, `kaiser8`).
 pub(super) fn named<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
     serde_json::from_value(serde_json::Value::String(text.to_string()))

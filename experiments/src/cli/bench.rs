@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use super::arguments::ForceArgument;
+use super::arguments::{ForceArgument, threads};
 use super::output::print_json;
 use crate::bench::engines::{Row, measure};
 use crate::bench::{SMALLEST, localizer, peaks, subnormal};
@@ -19,9 +19,6 @@ const SIDES: [usize; 6] = [256, 512, 1000, 2000, 4000, 8000];
 
 /// Default grid of the comparison between a starting field and a field of normal numbers.
 const SUBNORMAL: (usize, usize) = (1000, 1000);
-
-/// More threads than any grid has strips for.
-const MOST_THREADS: usize = 1024;
 
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
@@ -42,7 +39,7 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "DIR", conflicts_with = "json")]
     output: Option<PathBuf>,
     /// Threads of the fast engine [default: rows for 1 and for all cores].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
     #[command(flatten)]
     force: ForceArgument,
@@ -134,9 +131,6 @@ impl Arguments {
             if value == Some(0) {
                 bail!("{flag} 0: should be at least 1");
             }
-        }
-        if let Some(threads) = self.threads.filter(|&threads| threads > MOST_THREADS) {
-            bail!("--threads {threads}: should be at most {MOST_THREADS}");
         }
         self.check_output()?;
         let cores = std::thread::available_parallelism().map_or(1, usize::from);

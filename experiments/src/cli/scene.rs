@@ -13,7 +13,7 @@ use crate::data::place::Place;
 use crate::figures::drawing::png;
 use crate::figures::field;
 use crate::figures::scene::draw;
-use crate::recordings::impulse_snapshot;
+use crate::recordings::{impulse_snapshot, preflight};
 
 /// Arguments of `scene`.
 #[derive(Debug, clap::Args)]
@@ -90,7 +90,11 @@ impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         match self.command {
-            Command::Check { file } => check(&Scene::load(&file)?, json),
+            Command::Check { file } => {
+                let scene = Scene::load(&file)?;
+                preflight::check_scene(&scene, &file.display().to_string())?;
+                check(&scene, json)
+            }
             Command::Draw {
                 file,
                 output,

@@ -12,7 +12,7 @@ use fdtd::spread::Spread;
 use fdtd::walls::WallModel;
 use localizer::io::wav;
 
-use super::arguments::{EngineArguments, ForceArgument, named};
+use super::arguments::{EngineArguments, ForceArgument, named, threads};
 use super::output::print_json;
 use crate::data::atomic;
 use crate::data::field_frame::FieldFrame;
@@ -20,6 +20,7 @@ use crate::data::manifest::Manifest;
 use crate::data::place::Place;
 use crate::figures;
 use crate::figures::drawing::png;
+use crate::recordings::preflight;
 use crate::recordings::recording::{absorbed, note_air, recording};
 use crate::recordings::robot::Robot;
 use crate::recordings::simulate::{Checkpoint, RunOptions, Snapshots, signal};
@@ -67,7 +68,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     force: ForceArgument,
     /// Threads; 0 takes all.
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = threads)]
     threads: usize,
     /// Absorption by air (ISO 9613-1), each echo by its path length. The drive is simulated a second time with the
     /// source strength times the time of emission, from which path lengths follow. Needs a scene whose medium is
@@ -227,6 +228,12 @@ impl Arguments {
         let air = self.air(&scene)?;
         let path = scene.path(&spec.path)?;
         let robot = self.robot.as_deref().map(Robot::read).transpose()?;
+        preflight::check(
+            &scene,
+            &self.scene.display().to_string(),
+            &spec,
+            robot.as_ref(),
+        )?;
         self.check_output(&scene, path.duration_s())?;
         let board = Board::new();
         let estimate = match spec.engine {

@@ -7,6 +7,7 @@ mod end_to_end;
 mod example;
 mod figures;
 mod files;
+mod inputs;
 mod interruption;
 mod landmarks;
 mod room;

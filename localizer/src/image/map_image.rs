@@ -237,6 +237,12 @@ pub fn build(drives: &[(&EchoSequence, &[Pose])]) -> Result<MapImage, Error> {
             "give poses in metres, or choose a larger cell_m",
         ));
     }
+    let bytes = 2.0 * size_of::<f32>() as f64 * (width * height) as f64;
+    crate::memory::check(
+        "cell_m",
+        &format!("a map of {width} x {height} cells"),
+        bytes,
+    )?;
     let shape = (height as usize, width as usize);
     let mut map = MapImage {
         origin_cell: [low[0] - margin, low[1] - margin],

@@ -63,3 +63,13 @@ pub(crate) fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(
     text.push('\n');
     write_bytes(path, text.as_bytes())
 }
+
+/// The first characters of a file's content, for an error message of one line.
+pub(crate) fn shorten(text: &str) -> String {
+    let mut letters = text.chars().filter(|letter| !letter.is_control());
+    let short: String = letters.by_ref().take(40).collect();
+    match letters.next() {
+        Some(_) => short + "...",
+        None => short,
+    }
+}

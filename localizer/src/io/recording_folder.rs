@@ -4,7 +4,6 @@ use std::path::Path;
 
 use super::{files, odometry_csv, wav};
 use crate::error::Error;
-use crate::parameters::Parameters;
 use crate::recording::{Recording, RecordingMeta};
 use crate::trajectory::Trajectory;
 
@@ -25,18 +24,7 @@ impl Recording {
         }
         let meta_path = folder.join("recording.json");
         let meta: RecordingMeta = files::read_json(&meta_path)?;
-        Parameters::default()
-            .for_recording(&meta)
-            .check()
-            .map_err(|error| match error {
-                Error::Invalid {
-                    field,
-                    problem,
-                    remedy,
-                    ..
-                } => Error::invalid(meta_path.display(), field, problem, remedy),
-                other => other,
-            })?;
+        meta.check(&meta_path.display().to_string())?;
         let signal = wav::read(&folder.join("signal.wav"), meta.sample_rate_hz)?;
         let direct_path = folder.join("direct.wav");
         let direct = if direct_path.exists() {

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::{Parameters, SignalParameters};
+use crate::error::Error;
+use crate::parameters::{FARTHEST_SENSOR_M, Parameters, SignalParameters};
 use crate::pose::Pose;
 
 /// The content of `recording.json`: waveform, clocks and places of the sensors.
@@ -54,7 +55,53 @@ impl Parameters {
     }
 }
 
+/// Largest reading of a clock in seconds: some 300 years, so that seconds since 1970 fit and nanoseconds do not.
+const LATEST_S: f64 = 1e10;
+/// Farthest start from the world's origin in metres, per coordinate.
+const FARTHEST_M: f64 = 1e6;
+
 impl RecordingMeta {
+    /// Checks every field once; errors name `origin`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the first field that cannot be used.
+    pub fn check(&self, origin: &str) -> Result<(), Error> {
+        let within = |field: &str, value: f64, most: f64, unit: &str| {
+            // Written so that NaN is refused.
+            if (-most..=most).contains(&value) {
+                return Ok(());
+            }
+            let problem = format!("{value} cannot be used");
+            let remedy = format!("give -{most} to {most} {unit}");
+            Err(Error::invalid(origin, field, problem, remedy))
+        };
+        for (name, place_m) in [
+            ("loudspeaker_offset_m", self.loudspeaker_offset_m),
+            ("microphone_offset_m", self.microphone_offset_m),
+        ] {
+            for (axis, value) in place_m.into_iter().enumerate() {
+                let unit = "m, on the robot";
+                within(&format!("{name}[{axis}]"), value, FARTHEST_SENSOR_M, unit)?;
+            }
+        }
+        within("odometry_clock_s", self.odometry_clock_s, LATEST_S, "s")?;
+        within("truth_clock_s", self.truth_clock_s, LATEST_S, "s")?;
+        if let Some(start) = self.start {
+            within("start.x_m", start.x_m, FARTHEST_M, "m")?;
+            within("start.y_m", start.y_m, FARTHEST_M, "m")?;
+            within("start.heading_rad", start.heading_rad, 1e3, "rad")?;
+        }
+        if self.sample_rate_hz.fract() != 0.0 || self.sample_rate_hz > f64::from(u32::MAX) {
+            return Err(Error::invalid(
+                origin,
+                "sample_rate_hz",
+                format!("{} cannot be used", self.sample_rate_hz),
+                "give a whole number of hertz, as WAV files have it",
+            ));
+        }
+        self.signal_parameters().check(origin)
+    }
+
     /// The parameters that the recording fixes.
     pub fn signal_parameters(&self) -> SignalParameters {
         SignalParameters {

@@ -64,6 +64,7 @@ pub mod odometry;
 pub mod offline;
 pub mod parameters;
 pub mod pose;
+pub mod quality;
 pub mod random;
 pub mod recording;
 pub mod reference;

@@ -6,15 +6,18 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use localizer::landmarks::{LandmarkMap, Start};
 use localizer::pose::wrap_angle;
-use localizer::{MapImage, Method, Pose, Recording, echo, offline};
+use localizer::{MapImage, Method, Pose, Recording, echo, offline, quality};
 
 use super::arguments::{ForceArgument, ParameterArguments, files_of_map, files_of_recording};
 use super::landmarks;
 use super::output::{print, print_json};
+use super::trust::{self, Warnings};
+use crate::data::atomic;
 use crate::data::estimate;
 use crate::data::place::Place;
-use crate::metrics::{mean, quantile, rounded};
+use crate::metrics::{quantile, rounded};
 use crate::run::progress::Board;
+use crate::scores::Scores;
 
 /// Method of localization.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -47,8 +50,9 @@ impl MethodArgument {
     after_help = "Example:\n  echolot localize recordings/drive --map maps/room -o drive.tum --seed 1\n  \
     echolot localize recordings/drive --map maps/room -o drive.tum --method landmarks --start unknown\n\n\
     With truth.tum in the recording the mean absolute error is printed. Unless given, the start is the truth at time \
-    0, the start of recording.json, or the origin. By landmarks a table with covariance and status is written beside \
-    EST.tum."
+    0, the start of recording.json, or the origin. A table with covariance, fit and status is written beside EST.tum. \
+    The last line says whether the code was found, how well the echoes fit the map, and for how much of the drive the \
+    pose is sure; a signal without the code is refused."
 )]
 pub(crate) struct Arguments {
     /// Recording folder.
@@ -113,6 +117,8 @@ fn start(text: &str) -> Result<StartArgument, String> {
     }
 }
 
+/// Share of sure estimates below which a run is told to be doubtful.
+const SURE_ENOUGH: f64 = 0.8;
 /// Largest number of a start.
 const FARTHEST: f64 = 1e5;
 
@@ -146,7 +152,15 @@ impl Arguments {
             Some(StartArgument::Pose(pose)) => known(pose),
             None => known(recording.start_pose()),
         };
-        landmarks::localize(recording, &map, &parameters, &start, &self.output, json)
+        landmarks::localize(
+            &self.recording,
+            recording,
+            &map,
+            &parameters,
+            &start,
+            &self.output,
+            json,
+        )
     }
 
     /// Checks the place of the trajectory, and of the table beside it.
@@ -160,15 +174,16 @@ impl Arguments {
             ..Place::of(path, self.force.force)
         };
         place(&self.output).file(estimate::is_ours)?;
-        if self.method == MethodArgument::Landmarks {
-            if table == self.output {
-                bail!(
-                    "{}: is the name of the table beside the trajectory; give one that ends in .tum",
-                    table.display()
-                );
-            }
-            place(&table).file(landmarks::is_table)?;
+        if table == self.output {
+            bail!(
+                "{}: is the name of the table beside the trajectory; give one that ends in .tum",
+                table.display()
+            );
         }
+        place(&table).file(match self.method {
+            MethodArgument::Landmarks => landmarks::is_table,
+            _ => estimate::is_table,
+        })?;
         Ok(())
     }
 
@@ -198,38 +213,92 @@ impl Arguments {
             self.window.unwrap_or(parameters.filter.window_half_width_m);
         parameters.filter.particles = self.particles.unwrap_or(parameters.filter.particles);
         parameters.check()?;
+        let mut warnings = Warnings::default();
+        warnings.extend(trust::ignored(
+            self.parameters.parameters.as_deref(),
+            &parameters,
+        ));
+        warnings.extend(trust::contradictions(&map.parameters, &parameters));
+        if self.start.is_none() && recording.known_start().is_none() {
+            warnings.add(
+                "no start is known, the origin is taken; give --start, or start in recording.json",
+            );
+        }
         let task = Board::new().task("localize", 2);
         let sequence = echo::measure(&recording, &parameters)?;
+        let code = trust::check_echoes(&recording, &sequence, &self.recording, &mut warnings)?;
         task.set(1);
         let estimates = offline::localize(&sequence, &map, &parameters, start, self.seed)?;
         task.finish();
         estimate::write(&self.output, &offline::trajectory(&estimates))?;
-        let errors: Option<Vec<f64>> = recording.truth.as_ref().map(|truth| {
-            let distance =
-                |t_s: f64, pose: &Pose| truth.pose_at(t_s).map(|truth| pose.distance_m(&truth));
-            estimates
-                .iter()
-                .filter_map(|estimate| distance(estimate.t_s, &estimate.pose))
-                .collect()
-        });
-        let mae_m = errors.as_ref().map(|errors| rounded(mean(errors)));
+        let fits = quality::fits(&sequence, &map, &estimates);
+        let table = self.output.with_extension("csv");
+        atomic::write(&table, estimate::table(&estimates, &fits).as_bytes())?;
+        let sure = fits.iter().filter(|fit| fit.sure).count() as f64 / fits.len().max(1) as f64;
+        let fit = quantile(&fits.iter().map(|fit| fit.fit).collect::<Vec<_>>(), 0.5);
+        if sure < SURE_ENOUGH {
+            warnings.add(format!(
+                "the echoes fit the map for {:.0} % of the drive only; check start, map, speed of sound and odometry",
+                100.0 * sure
+            ));
+        }
+        let poses: Vec<(f64, Pose)> = estimates
+            .iter()
+            .map(|estimate| (estimate.t_s, estimate.pose))
+            .collect();
+        let scored = recording
+            .truth
+            .as_ref()
+            .map(|truth| Scores::of(&poses, truth));
+        let (scores, coverage) = scored.unwrap_or_default();
+        if recording.truth.is_some() && coverage < 1.0 {
+            warnings.add(format!(
+                "truth.tum covers {:.0} % of the drive; only that is scored",
+                100.0 * coverage
+            ));
+        }
         if json {
+            let score = |of: &dyn Fn(&Scores) -> f64| scores.as_ref().map(of);
             return print_json(&serde_json::json!({
                 "estimate": self.output,
+                "table": table,
                 "poses": estimates.len(),
-                "mae_m": mae_m,
-                "p90_m": errors.as_ref().map(|errors| rounded(quantile(errors, 0.9))),
+                "mae_m": score(&|scores| scores.mae_m),
+                "rmse_m": score(&|scores| scores.rmse_m),
+                "p90_m": score(&|scores| scores.p90_m),
+                "max_m": score(&|scores| scores.max_m),
+                "final_m": score(&|scores| scores.final_m),
+                "heading_mae_rad": score(&|scores| scores.heading_mae_rad),
+                "coverage": coverage,
+                "status": {"sure": rounded(sure), "doubtful": rounded(1.0 - sure)},
+                "fit": rounded(fit),
+                "code_found": code.map(rounded),
+                "warnings": warnings.tell(),
             }));
         }
         eprintln!(
-            "wrote {} ({} poses)",
+            "wrote {} and {} ({} poses)",
             self.output.display(),
+            table.display(),
             estimates.len()
         );
-        match mae_m {
-            Some(mae_m) => print(&format!("mean absolute position error {mae_m:.4} m\n"))?,
-            None => eprintln!("no truth.tum: no error to tell"),
+        let code = code.map_or("no code looked for".to_string(), |share| {
+            format!("code found in {:.0} % of the blocks", 100.0 * share)
+        });
+        print(&format!(
+            "{code}; fit {fit:.1} sigma; sure {:.0} % of the time\n",
+            100.0 * sure
+        ))?;
+        match scores {
+            Some(scores) => print(&format!(
+                "mean absolute position error {:.4} m over {:.0} % of the drive\n",
+                scores.mae_m,
+                100.0 * coverage
+            ))?,
+            None if recording.truth.is_none() => eprintln!("no truth.tum: no error to tell"),
+            None => {}
         }
+        warnings.tell();
         Ok(())
     }
 }

@@ -9,10 +9,20 @@ use localizer::{EchoSequence, Pose, Recording, echo, landmarks};
 
 use super::arguments::{ForceArgument, ParameterArguments, files_of_recording};
 use super::output::print_json;
+use super::trust::{self, Warnings};
 use crate::data::manifest;
 use crate::data::place::Place;
+use crate::metrics::rounded;
 use crate::run::interrupt;
 use crate::run::progress::Board;
+
+/// Names of the files of a map of landmarks.
+pub(super) const LANDMARK_FILES: &[&str] = &[
+    "landmarks.json",
+    "landmarks.geojson",
+    "landmarks.pgm",
+    "landmarks.yaml",
+];
 
 /// Kind of map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -54,12 +64,7 @@ impl MethodArgument {
     fn files(self) -> &'static [&'static str] {
         match self {
             Self::Images => &["map.json", "map.npy", "map_toa.npy", "map.pgm", "map.yaml"],
-            Self::Landmarks => &[
-                "landmarks.json",
-                "landmarks.geojson",
-                "landmarks.pgm",
-                "landmarks.yaml",
-            ],
+            Self::Landmarks => LANDMARK_FILES,
         }
     }
 }
@@ -93,6 +98,7 @@ impl Arguments {
         let board = Board::new();
         let task = board.task("map", self.recordings.len() as u64);
         let mut drives: Vec<(EchoSequence, Vec<Pose>)> = Vec::new();
+        let (mut warnings, mut codes) = (Warnings::default(), Vec::new());
         for (index, folder) in self.recordings.iter().enumerate() {
             interrupt::check()?;
             let recording = Recording::read(folder)?;
@@ -102,11 +108,19 @@ impl Arguments {
                     folder.display()
                 );
             };
-            let sequence = echo::measure(&recording, &parameters.for_recording(&recording.meta))?;
-            let poses = sequence.poses(truth);
-            drives.push((sequence, poses));
+            let wanted = parameters.for_recording(&recording.meta);
+            warnings.extend(trust::ignored(
+                self.parameters.parameters.as_deref(),
+                &wanted,
+            ));
+            let sequence = echo::measure(&recording, &wanted)?;
+            let code = trust::check_echoes(&recording, &sequence, folder, &mut warnings)?;
+            codes.push(code.map(rounded));
+            drives.push(trust::covered(sequence, truth, folder, &mut warnings)?);
             task.set(index as u64 + 1);
         }
+        task.finish();
+        let warnings = warnings.tell();
         if self.method == MethodArgument::Landmarks {
             return super::landmarks::map(&drives, &self.output, json);
         }
@@ -124,6 +138,9 @@ impl Arguments {
                 "columns": columns,
                 "cell_m": map.cell_m,
                 "origin_m": map.origin_m(),
+                "blocks": drives.iter().map(|(sequence, _)| sequence.blocks.len()).collect::<Vec<_>>(),
+                "code_found": codes,
+                "warnings": warnings,
             }));
         }
         eprintln!(

@@ -14,6 +14,7 @@ mod run;
 mod scene;
 mod simulate;
 mod slam;
+mod trust;
 mod validate;
 
 use anyhow::Result;

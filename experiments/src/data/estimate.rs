@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use anyhow::Result;
-use localizer::Trajectory;
+use localizer::quality::Fit;
+use localizer::{Estimate, Pose, Trajectory};
 
 use super::{atomic, manifest};
 
@@ -28,10 +29,38 @@ pub fn is_ours(bytes: &[u8]) -> bool {
         .is_some_and(|(digest, text)| manifest::digest(text.as_bytes()) == digest)
 }
 
+/// First line of the table.
+const HEADER: &str =
+    "t_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_mrad,yh_mrad,hh_rad2,fit,status\n";
+
+/// Estimates with covariance, fit and status as CSV, one line each.
+pub fn table(estimates: &[Estimate], fits: &[Fit]) -> String {
+    let mut text = HEADER.to_string();
+    for (estimate, fit) in estimates.iter().zip(fits) {
+        let Pose {
+            x_m,
+            y_m,
+            heading_rad,
+        } = estimate.pose;
+        let [[xx, xy, xh], [_, yy, yh], [.., hh]] = estimate.covariance;
+        let status = if fit.sure { "sure" } else { "doubtful" };
+        text += &format!(
+            "{:.6},{x_m:.6},{y_m:.6},{heading_rad:.6},{xx:.3e},{xy:.3e},{yy:.3e},{xh:.3e},{yh:.3e},{hh:.3e},\
+             {:.3},{status}\n",
+            estimate.t_s, fit.fit
+        );
+    }
+    text
+}
+
+/// Whether bytes are a file of [`table`].
+pub fn is_table(bytes: &[u8]) -> bool {
+    bytes.starts_with(HEADER.as_bytes())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use localizer::Pose;
 
     #[test]
     fn an_estimate_is_known_until_it_is_edited() {

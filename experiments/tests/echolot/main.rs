@@ -12,3 +12,4 @@ mod interruption;
 mod landmarks;
 mod room;
 mod snapshots;
+mod trust;

@@ -100,10 +100,16 @@ impl Recording {
             .collect()
     }
 
-    /// The pose at time 0: the truth, else the start in `recording.json`, else the origin.
+    /// The pose at time 0: the truth where it covers it, else the start in `recording.json`, else the origin.
     pub fn start_pose(&self) -> Pose {
-        let truth = self.truth.as_ref().and_then(|truth| truth.pose_at(0.0));
-        truth.or(self.meta.start).unwrap_or_default()
+        self.known_start().unwrap_or_default()
+    }
+
+    /// As [`Self::start_pose`], but `None` instead of the origin.
+    pub fn known_start(&self) -> Option<Pose> {
+        let truth = self.truth.as_ref();
+        let truth = truth.and_then(|truth| truth.covered_pose_at(0.0));
+        truth.or(self.meta.start)
     }
 }
 

@@ -106,8 +106,16 @@ impl Baseline {
     pub fn read(path: &Path, preset: Preset) -> Result<Self> {
         let text = std::fs::read_to_string(path)
             .with_context(|| format!("{}: no baseline; make one with --bless", path.display()))?;
-        let baseline: Self = json::parse(&text, path)?;
-        baseline.check(path, preset)?;
+        Self::parse(&text, path, preset)
+    }
+
+    /// Reads the text of a baseline; errors name `origin`.
+    ///
+    /// # Errors
+    /// As [`Baseline::read`].
+    pub fn parse(text: &str, origin: &Path, preset: Preset) -> Result<Self> {
+        let baseline: Self = json::parse(text, origin)?;
+        baseline.check(origin, preset)?;
         Ok(baseline)
     }
 

@@ -61,6 +61,7 @@ pub(super) fn localize(
     let task = Board::new().task("localize", 2);
     let echoes = echo::measure(recording, parameters)?;
     let mut warnings = Warnings::default();
+    warnings.extend(trust::changed(folder));
     trust::check_echoes(recording, &echoes, folder, &mut warnings)?;
     task.set(1);
     let estimates = landmarks::localize(&echoes, map, start, Noise::default());

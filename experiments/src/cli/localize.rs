@@ -214,6 +214,8 @@ impl Arguments {
         parameters.filter.particles = self.particles.unwrap_or(parameters.filter.particles);
         parameters.check()?;
         let mut warnings = Warnings::default();
+        warnings.extend(trust::changed(&self.recording));
+        warnings.extend(trust::changed(&self.map));
         warnings.extend(trust::ignored(
             self.parameters.parameters.as_deref(),
             &parameters,

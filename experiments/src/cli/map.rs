@@ -102,6 +102,7 @@ impl Arguments {
         for (index, folder) in self.recordings.iter().enumerate() {
             interrupt::check()?;
             let recording = Recording::read(folder)?;
+            warnings.extend(trust::changed(folder));
             let Some(truth) = &recording.truth else {
                 bail!(
                     "{}: truth.tum: is missing; a map needs the true poses of its drive",

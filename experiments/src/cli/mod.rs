@@ -10,6 +10,7 @@ mod localize;
 mod map;
 mod output;
 mod reference;
+mod robustness;
 mod run;
 mod scene;
 mod simulate;
@@ -61,6 +62,8 @@ enum Command {
     Validate(validate::Arguments),
     /// List the studies.
     List(list::Arguments),
+    /// Write the table of what was tried against wrong inputs and faults as a page of the documents.
+    Robustness(robustness::Arguments),
     /// Write the help of all commands as one page of the documents.
     Reference(reference::Arguments),
 }
@@ -85,6 +88,7 @@ impl Cli {
             Command::Bench(arguments) => arguments.run(json),
             Command::Validate(arguments) => arguments.run(json),
             Command::List(arguments) => arguments.run(json),
+            Command::Robustness(arguments) => arguments.run(json),
             Command::Reference(arguments) => arguments.run(&reference()),
         }
     }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::data::manifest::Manifest;
 use anyhow::{Result, bail};
 use localizer::{EchoSequence, Parameters, Pose, Recording, Trajectory, quality};
 
@@ -39,6 +40,20 @@ impl Warnings {
         }
         self.0
     }
+}
+
+/// Words on files of an input folder that this program wrote and that are other ones now: edited, or damaged.
+pub(super) fn changed(folder: &Path) -> Vec<String> {
+    let manifest = Manifest::read(folder).unwrap_or_default();
+    let names = manifest.changed(folder).into_iter();
+    names
+        .map(|name| {
+            format!(
+                "{}: is not as this program wrote it: edited, or damaged",
+                folder.join(name).display()
+            )
+        })
+        .collect()
 }
 
 /// Share of a recording's blocks in which its code is; `None` when the robot never moves.

@@ -88,6 +88,12 @@ impl Manifest {
         })
     }
 
+    /// The files that are no longer as this program wrote them.
+    pub fn changed(&self, folder: &Path) -> Vec<&str> {
+        let names = self.files.keys().map(String::as_str);
+        names.filter(|name| !self.wrote(folder, name)).collect()
+    }
+
     /// Whether all files that the manifest lists are there, each as it was written.
     pub fn is_whole(&self, folder: &Path) -> bool {
         !self.files.is_empty() && self.files.keys().all(|name| self.wrote(folder, name))

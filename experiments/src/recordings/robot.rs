@@ -89,8 +89,19 @@ impl Robot {
     /// # Errors
     /// When the file cannot be read, has other fields, or a value cannot be used.
     pub fn read(path: &Path) -> Result<Self> {
-        let robot: Self = json::read(path)?;
-        robot.check().with_context(|| path.display().to_string())?;
+        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads the text of a robot file; errors name `origin`.
+    ///
+    /// # Errors
+    /// As [`Robot::read`].
+    pub fn parse(text: &str, origin: &Path) -> Result<Self> {
+        let robot: Self = json::parse(text, origin)?;
+        robot
+            .check()
+            .with_context(|| origin.display().to_string())?;
         Ok(robot)
     }
 

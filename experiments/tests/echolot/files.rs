@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::room::{ROOM, SIMULATE, echolot, expect, refuse, scene_file};
+use crate::room::{ROOM, SIMULATE, echolot, expect, note, refuse, scene_file};
 
 /// Runs `echolot`, which may succeed or not, and tells what it said.
 fn said(at: &Path, arguments: &[&str]) -> (Option<i32>, String) {
@@ -60,6 +60,12 @@ fn a_recording_written_by_hand_stays() {
     inside[1] = "mine/room.json";
     let complaint = refuse(at, &[&inside[..], &["mine", "--force"]].concat());
     assert!(complaint.contains("mine/room.json"), "{complaint}");
+    note(
+        "output on a foreign file",
+        "recordings",
+        4,
+        "refused, the file stays",
+    );
 }
 
 #[test]
@@ -119,6 +125,12 @@ fn inputs_are_never_replaced() {
     for _ in 0..2 {
         expect(at, &plain("new/folder/drive.tum"));
     }
+    note(
+        "output on an input",
+        "localize, scene draw",
+        5,
+        "refused, the file stays",
+    );
 }
 
 #[test]
@@ -141,6 +153,12 @@ fn a_map_made_by_another_program_stays() {
     std::fs::write(at.join("lab/notes.txt"), "mine").unwrap();
     expect(at, &["map", "mapping", "-o", "lab", "--force"]);
     assert_eq!(std::fs::read(at.join("lab/notes.txt")).unwrap(), b"mine");
+    note(
+        "output on a foreign file",
+        "maps",
+        2,
+        "refused, the file stays",
+    );
 }
 
 #[cfg(unix)]
@@ -184,6 +202,12 @@ fn what_is_no_regular_file_is_never_replaced() {
         }
         assert_eq!(kind(name), before);
     }
+    note(
+        "output on what is no regular file",
+        "pipe, links, device, folder",
+        24,
+        "refused, it stays",
+    );
 }
 
 #[test]
@@ -222,6 +246,12 @@ fn a_place_that_cannot_be_written_is_found_before_computing() {
     std::fs::write(at.join("r.checkpoint"), "what I checked").unwrap();
     let complaint = refuse(at, &["simulate", "room.json", "--path", "short", "-o", "r"]);
     assert!(complaint.contains("r.checkpoint"), "{complaint}");
+    note(
+        "unwritable output",
+        "simulate",
+        3,
+        "refused before computing",
+    );
 }
 
 /// The place turns out to be taken while the field is simulated.
@@ -253,6 +283,12 @@ fn an_output_that_cannot_be_written_at_the_end_leaves_the_checkpoint() {
     let signal = |of: &str| std::fs::read(at.join(of).join("signal.wav")).unwrap();
     assert_eq!(signal("late"), signal("whole"));
     assert!(!at.join("late.checkpoint").exists());
+    note(
+        "unwritable output",
+        "simulate, at its end",
+        1,
+        "the checkpoint is left",
+    );
 }
 
 #[test]
@@ -357,6 +393,12 @@ fn a_damaged_entry_of_the_cache_is_made_anew_and_told() {
     );
     assert_eq!(drift("first"), drift("second"));
     assert_eq!(drift("first"), drift("third"));
+    note(
+        "damaged cache",
+        "a trial, two recordings",
+        3,
+        "made anew and told",
+    );
 }
 
 #[test]
@@ -409,4 +451,10 @@ fn a_baseline_of_nothing_is_refused() {
     }
     let (code, text) = said(at, &[&bless[..], &["new.json"]].concat());
     assert_eq!(code, Some(0), "{text}");
+    note(
+        "wrong input",
+        "baseline",
+        9,
+        "one line with file and field, exit 2",
+    );
 }

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::room::{ROOM, SIMULATE, echolot, expect, refuse, scene_file};
+use crate::room::{ROOM, SIMULATE, echolot, expect, note, refuse, scene_file};
 
 /// A map and a drive by image sources in the room.
 fn drives(at: &Path) {
@@ -117,6 +117,12 @@ fn numbers_of_a_recording_are_checked_before_anything_is_allocated() {
         std::fs::write(&odometry, text).unwrap();
     }
     expect(at, &LOCALIZE);
+    note(
+        "wrong input",
+        "recording.json, odometry.csv",
+        16,
+        "one line with file and field, exit 2",
+    );
 }
 
 #[test]
@@ -171,6 +177,12 @@ fn numbers_of_the_command_line_and_of_parameters_have_bounds() {
         let named = complaint.contains("p.json") || complaint.contains("parameters");
         assert!(named && complaint.contains(field), "{text}: {complaint}");
     }
+    note(
+        "wrong input",
+        "command line, parameters",
+        12,
+        "one line with file and field, exit 2",
+    );
 }
 
 /// Under 4 GB a million particles do not fit, and the program says so instead of dying.
@@ -194,6 +206,12 @@ fn what_does_not_fit_into_limited_memory_is_refused() {
     assert!(
         complaint.contains("particles") && complaint.contains("GB"),
         "{complaint}"
+    );
+    note(
+        "wrong input",
+        "a million particles under 4 GB",
+        1,
+        "one line with file and field, exit 2",
     );
 }
 
@@ -240,6 +258,12 @@ fn numbers_of_a_robot_have_bounds() {
         );
     }
     expect(at, &simulate);
+    note(
+        "wrong input",
+        "robot file",
+        6,
+        "one line with file and field, exit 2",
+    );
 }
 
 #[test]
@@ -295,6 +319,12 @@ fn simulate_accepts_what_the_check_accepts_and_refuses_what_it_refuses() {
             assert!(!complaint.contains("max_range"), "{complaint}");
         }
     }
+    note(
+        "wrong input",
+        "scenes, checked and simulated",
+        10,
+        "the same answer of both",
+    );
 }
 
 #[test]
@@ -316,4 +346,10 @@ fn walls_drawn_twice_sound_as_one() {
     });
     assert_eq!(signals[0], signals[1]);
     assert_eq!(signals[0], signals[2]);
+    note(
+        "wrong input",
+        "walls drawn twice or folded back",
+        2,
+        "the sound of one",
+    );
 }

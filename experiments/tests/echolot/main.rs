@@ -5,6 +5,7 @@ mod cache;
 mod commands;
 mod end_to_end;
 mod example;
+mod faults;
 mod figures;
 mod files;
 mod inputs;

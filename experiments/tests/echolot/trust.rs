@@ -5,7 +5,7 @@ use std::path::Path;
 use localizer::Recording;
 use serde_json::Value;
 
-use crate::room::{echolot, expect, refuse};
+use crate::room::{echolot, expect, note, refuse};
 
 /// A map of the example's mapping drive, and a copy of both drives.
 fn example(at: &Path) {
@@ -114,6 +114,7 @@ fn a_signal_without_the_code_is_refused_by_both_commands() {
         }
         assert!(!at.join("new").exists() && !at.join("e.tum").exists());
     }
+    note("recording without echoes", "map, localize", 10, "refused");
 }
 
 #[test]
@@ -152,6 +153,7 @@ fn doubtful_runs_are_told() {
             assert!(report["warnings"].to_string().contains(word), "{report}");
         }
     }
+    note("doubtful recording", "localize", 5, "told");
 }
 
 #[test]
@@ -206,6 +208,12 @@ fn only_what_the_truth_covers_is_scored_and_mapped() {
             "{report}"
         );
     }
+    note(
+        "truth that covers a part",
+        "map, localize",
+        10,
+        "only that is scored and mapped, or refused",
+    );
 }
 
 #[test]
@@ -243,6 +251,12 @@ fn an_outlier_of_the_truth_is_told_and_left_out() {
     );
     let complaint = refuse(at, &["map", "millimetres", "-o", "m"]);
     assert!(complaint.contains("give metres"), "{complaint}");
+    note(
+        "outliers of the truth",
+        "map",
+        2,
+        "told and left out, or refused",
+    );
 }
 
 /// Folder of the map of a drive.

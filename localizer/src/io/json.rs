@@ -28,7 +28,7 @@ pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, (String, String)> {
 }
 
 /// Without line breaks, and not longer than a message should be.
-fn one_line(text: &str) -> String {
+pub(super) fn one_line(text: &str) -> String {
     let line: String = text
         .chars()
         .map(|letter| if letter.is_control() { ' ' } else { letter })

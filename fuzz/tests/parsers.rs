@@ -59,7 +59,7 @@ fn limit_memory() {
     let pages = std::fs::read_to_string("/proc/self/statm").unwrap();
     let pages: u64 = pages.split(' ').next().unwrap().parse().unwrap();
     // Other targets run beside this one, and their threads have stacks.
-    let taken = pages * 4096 + (2 << 30);
+    let taken = pages * 4096 + (1 << 29);
     let limit = Some(taken + MOST_BYTES);
     setrlimit(
         Resource::As,

@@ -139,6 +139,17 @@ fn write_npy(path: &Path, layer: &Array2<f32>) -> Result<(), Error> {
     files::write_bytes(path, &bytes)
 }
 
+/// Where the header of an NPY file ends, by its own length; `None` when it is no such file.
+fn header_end(bytes: &[u8]) -> Option<u64> {
+    let (version, rest) = bytes.strip_prefix(b"\x93NUMPY")?.split_first_chunk::<2>()?;
+    // Version 1 has a length of two bytes, later ones of four.
+    let (start, length) = match version[0] {
+        1 => (10, u64::from(u16::from_le_bytes(*rest.first_chunk()?))),
+        _ => (12, u64::from(u32::from_le_bytes(*rest.first_chunk()?))),
+    };
+    Some(start + length)
+}
+
 /// Reads the bytes of a two-dimensional NPY file; errors name `origin`.
 ///
 /// # Errors
@@ -148,6 +159,10 @@ pub fn parse_npy(bytes: &[u8], origin: &Path) -> Result<Array2<f32>, Error> {
         let remedy = "give a two-dimensional array of 32-bit floats";
         Error::invalid(origin.display(), "array", json::one_line(&problem), remedy)
     };
+    // Its reader asks for the memory of the header before it looks whether the file is as long.
+    if header_end(bytes).is_none_or(|end| end > bytes.len() as u64) {
+        return Err(refuse("is no NPY file, or is cut short".to_string()));
+    }
     ArrayView2::<f32>::view_npy(bytes)
         .map(|layer| layer.to_owned())
         .or_else(|problem| match problem {
@@ -213,6 +228,25 @@ mod tests {
         // The last map row, with the largest value at its right end, comes first.
         assert_eq!(picture[11 + 5], 0);
         assert_eq!(picture[11 + 18], 255);
+    }
+
+    #[test]
+    fn a_header_longer_than_its_file_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        map().write(folder.path()).unwrap();
+        let mut bytes = std::fs::read(folder.path().join("map.npy")).unwrap();
+        let origin = Path::new("map.npy");
+        assert_eq!(parse_npy(&bytes, origin).unwrap(), map().intensity);
+        // Version 2, whose length has four bytes: 3 GB.
+        bytes[6] = 2;
+        bytes[8..12].copy_from_slice(&3_212_509_302_u32.to_le_bytes());
+        for bytes in [&bytes[..], b"", b"\x93NUMPY", b"\x93NUMPY\x01\0\xff\xff"] {
+            let message = parse_npy(bytes, origin).unwrap_err().to_string();
+            assert!(
+                message.contains("map.npy") && message.contains("cut short"),
+                "{message}"
+            );
+        }
     }
 
     #[test]

@@ -46,9 +46,10 @@ use self::shared::{Levels, Weights};
 use self::slf::Slf;
 use self::sweep::{Sweep, SweepVector};
 use self::vector::Plain;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(fuzzing)))]
 use self::vector::{Avx, Avx512};
 use super::super::step::StepForcing;
+#[cfg(all(target_arch = "x86_64", not(fuzzing)))]
 use super::instructions::InstructionSet;
 use super::line::Line;
 use super::plan::Plan;

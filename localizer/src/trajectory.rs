@@ -50,8 +50,9 @@ impl Trajectory {
         })
     }
 
-    /// The pose at a time that the trajectory covers: `None` before its first pose, after its last, and in a gap of more
-    /// than [`LONGEST_GAP_S`], where [`Self::pose_at`] would hold or guess one. Its ends may be off by [`END_S`].
+    /// The pose at a time that the trajectory covers: `None` before its first pose, after its last, and in a gap of
+    /// more than [`LONGEST_GAP_S`], where [`Self::pose_at`] would hold or guess one. Its ends may be off by
+    /// [`END_S`].
     pub fn covered_pose_at(&self, t_s: f64) -> Option<Pose> {
         let (first, last) = (*self.t_s.first()?, *self.t_s.last()?);
         if !(first - END_S..=last + END_S).contains(&t_s) {

@@ -19,9 +19,10 @@ const MOST: u64 = 1_000_000_000_000;
 /// Arguments of `robustness`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  make robustness\n  echolot robustness target/tried.jsonl -o docs/validation/robustness.md\n\n\
-    The tests append a JSON object a line, with kind, what, count and result, to the file that the variable \
-    ECHOLOT_TRIED names. Prints the page unless a file is given."
+    after_help = "Example:\n  echolot robustness target/tried.jsonl -o docs/validation/robustness.md\n\n\
+    `make robustness` runs the tests in full number and then this command. They append a JSON object a line, with \
+    kind, what, count and result, to the file that the variable ECHOLOT_TRIED names. Prints the page unless a file is \
+    given."
 )]
 pub(crate) struct Arguments {
     /// Lines that the tests have left.

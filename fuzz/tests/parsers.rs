@@ -1,7 +1,7 @@
 //! Every parser against mutated files: none panics, takes more than a second, or more than 1 GiB of memory.
 //!
-//! Plain `cargo test` runs each target for two seconds on the files of `corpus/` and mutations of them. `make fuzz` runs
-//! as many inputs as one likes; the variables of `bolero` (`BOLERO_RANDOM_ITERATIONS`, `BOLERO_RANDOM_TEST_TIME_MS`,
+//! Plain `cargo test` runs each target for two seconds on the files of `corpus/` and mutations of them. `make fuzz`
+//! runs as many inputs as one likes; the variables of `bolero` (`BOLERO_RANDOM_ITERATIONS`, `BOLERO_RANDOM_TEST_TIME_MS`,
 //! `BOLERO_RANDOM_SEED`) and its other engines work too. Under `--cfg fuzzing` the field's kernels are left out, which
 //! take most of the time to compile.
 
@@ -334,7 +334,8 @@ fn summary() {
 
 #[test]
 fn cache_entry() {
-    let result = r#"{"t_s":[0.1],"x_m":[1.0],"y_m":[2.0],"heading_rad":[0.1],"error_m":[0.01],"heading_error_rad":[0.0]}"#;
+    let result = r#"{"t_s":[0.1],"x_m":[1.0],"y_m":[2.0],"heading_rad":[0.1],"error_m":[0.01],
+        "heading_error_rad":[0.0]}"#;
     let value: serde_json::Value = serde_json::from_str(result).unwrap();
     let sealed = experiments::data::cache::sealed(&value)
         .unwrap()

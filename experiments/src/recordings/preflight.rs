@@ -133,7 +133,7 @@ mod tests {
                 "\"carrier_hz\": 18000",
                 "waveform.carrier_hz",
             ),
-            ("\"c_mps\": 340", "\"c_mps\": 34.034", "medium.c_mps"),
+            ("\"c_mps\": 340", "\"c_mps\": 425", "medium.c_mps"),
             ("40000,", "40000.000001,", "sample_rate_hz"),
             ("[0.0, 0.0]", "[100.0, 0.0]", "robot.microphone_offset_m[0]"),
             (

@@ -1,5 +1,5 @@
-//! Faults from outside: killed at any moment, no room on the disk, flipped bits, two at once. What a command had written
-//! before is whole after it, and the same command then ends with the same bytes.
+//! Faults from outside: killed at any moment, no room on the disk, flipped bits, two at once. What a command had
+//! written before is whole after it, and the same command then ends with the same bytes.
 //!
 //! Plain `cargo test` tries a few moments of each; `make robustness` tries all (`ECHOLOT_MOMENTS`).
 

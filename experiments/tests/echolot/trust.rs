@@ -1,4 +1,5 @@
-//! Runs say how far their results can be trusted: whether the code was found, how the echoes fit, what the truth covers.
+//! Runs say how far their results can be trusted: whether the code was found, how the echoes fit, what the truth
+//! covers.
 
 use std::path::Path;
 

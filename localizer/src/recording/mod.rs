@@ -43,8 +43,9 @@ impl Recording {
     /// Checks that signal, direct wave and odometry fit together.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a field of [`RecordingMeta`] that cannot be used, samples that are not finite, a direct wave of another length, and odometry that is
-    /// unsorted, not finite, has gaps above one second, or does not cover the signal.
+    /// [`Error::Invalid`] for a field of [`RecordingMeta`] that cannot be used, samples that are not finite, a direct
+    /// wave of another length, and odometry that is unsorted, not finite, has gaps above one second, or does not cover
+    /// the signal.
     pub fn check(&self, origin: &str) -> Result<(), Error> {
         self.meta.check(&format!("{origin}: recording.json"))?;
         for (name, samples) in [

@@ -2,7 +2,7 @@
 
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
-.PHONY: help sim-experiments sim-quick figures picture claims reference validate test check bench bless
+.PHONY: help sim-experiments sim-quick figures picture claims reference validate test check fuzz robustness bench bless
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -38,6 +38,16 @@ check: ## formatting, lints, tests
 	cargo fmt --all --check
 	cargo clippy --release --workspace --all-targets -- -D warnings
 	cargo test --release --workspace
+
+fuzz: ## mutated files for every parser, INPUTS=1000000 each
+	BOLERO_RANDOM_ITERATIONS=$(or $(INPUTS),1000000) cargo test --release -p fuzz -- --nocapture
+
+robustness: ## wrong inputs, mutated files, kills, full disks, flipped bits in full number (docs/validation/robustness.md)
+	@rm -f target/tried.jsonl
+	ECHOLOT_TRIED=$(CURDIR)/target/tried.jsonl $(MAKE) fuzz
+	ECHOLOT_TRIED=$(CURDIR)/target/tried.jsonl ECHOLOT_MOMENTS=$(or $(MOMENTS),100) \
+		cargo test --release -p experiments --test echolot -- --nocapture faults inputs files trust
+	$(ECHOLOT) robustness target/tried.jsonl -o docs/validation/robustness.md
 
 bench: ## benchmarks and the speed of the engines (results/bench); BENCH="--measurement-time 1" is quicker
 	cargo bench --workspace -- $(BENCH)

@@ -12,6 +12,7 @@ pub mod metrics;
 pub mod recordings;
 pub mod run;
 pub mod schedule;
+pub mod scores;
 pub mod session;
 pub mod study;
 pub mod summary;

@@ -12,7 +12,7 @@ use experiments::summary::Summary;
 const WIDTH: usize = 120;
 
 /// Folders whose Rust files keep to it.
-const SOURCES: [&str; 4] = ["fdtd", "oracles", "localizer", "experiments"];
+const SOURCES: [&str; 5] = ["fdtd", "oracles", "localizer", "experiments", "fuzz"];
 
 /// The workspace's folder.
 fn root() -> PathBuf {

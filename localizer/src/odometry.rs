@@ -7,6 +7,9 @@ use crate::error::Error;
 /// Longest time between two samples, and between the samples and the ends of the signal, in seconds.
 const LONGEST_GAP_S: f64 = 1.0;
 
+/// Fastest turn of a robot in rad/s: once a second. Beyond it there is a wrong unit.
+pub const FASTEST_TURN_RADPS: f64 = std::f64::consts::TAU;
+
 /// Speeds of a two-wheel robot, from its wheel encoders.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -28,21 +31,23 @@ pub struct OdometrySample {
     pub omega_radps: f64,
 }
 
-/// Refuses speeds that are not finite or not small against the speed of sound.
+/// Refuses speeds that are not finite, not small against the speed of sound, or turns that no robot makes.
 pub(crate) fn check_speeds(
     origin: impl std::fmt::Display,
     field: impl std::fmt::Display,
     odometry: Odometry,
     fastest_mps: f64,
 ) -> Result<(), Error> {
-    if odometry.v_mps.abs() <= fastest_mps && odometry.omega_radps.is_finite() {
+    if odometry.v_mps.abs() <= fastest_mps && odometry.omega_radps.abs() <= FASTEST_TURN_RADPS {
         return Ok(());
     }
     let problem = format!(
         "v {} m/s and omega {} rad/s cannot be used",
         odometry.v_mps, odometry.omega_radps
     );
-    let remedy = format!("give finite speeds, v within {fastest_mps} m/s");
+    let remedy = format!(
+        "give v within {fastest_mps} m/s and omega within {FASTEST_TURN_RADPS:.2} rad/s, not in degrees"
+    );
     Err(Error::invalid(origin, field, problem, remedy))
 }
 

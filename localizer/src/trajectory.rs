@@ -2,6 +2,13 @@
 
 use crate::pose::{Pose, wrap_angle};
 
+/// Longest time between two poses of a trajectory that covers what is in between, in seconds.
+pub const LONGEST_GAP_S: f64 = 1.0;
+/// Time beyond its ends that a trajectory still covers, in seconds.
+pub const END_S: f64 = 0.1;
+/// Distance between two poses that their noise may explain, in metres.
+pub const JUMP_M: f64 = 0.1;
+
 /// Poses at increasing times.
 ///
 /// ```
@@ -43,6 +50,37 @@ impl Trajectory {
         })
     }
 
+    /// The pose at a time that the trajectory covers: `None` before its first pose, after its last, and in a gap of
+    /// more than [`LONGEST_GAP_S`], where [`Self::pose_at`] would hold or guess one. Its ends may be off by
+    /// [`END_S`].
+    pub fn covered_pose_at(&self, t_s: f64) -> Option<Pose> {
+        let (first, last) = (*self.t_s.first()?, *self.t_s.last()?);
+        if !(first - END_S..=last + END_S).contains(&t_s) {
+            return None;
+        }
+        let next = self.t_s.partition_point(|&time| time <= t_s);
+        if let (Some(before), Some(&after)) = (next.checked_sub(1), self.t_s.get(next))
+            && after - self.t_s[before] > LONGEST_GAP_S
+            && t_s > self.t_s[before]
+        {
+            return None;
+        }
+        self.pose_at(t_s)
+    }
+
+    /// Intervals between two poses over which nothing can have moved so far: faster than `fastest_mps`, by more than
+    /// [`JUMP_M`]. Each is the index of the pose before the jump.
+    pub fn jumps(&self, fastest_mps: f64) -> Vec<usize> {
+        let is_jump = |&index: &usize| {
+            let length_s = self.t_s[index + 1] - self.t_s[index];
+            let way_m = self.poses[index].distance_m(&self.poses[index + 1]);
+            way_m > JUMP_M + fastest_mps * length_s
+        };
+        (0..self.poses.len().saturating_sub(1))
+            .filter(is_jump)
+            .collect()
+    }
+
     /// Poses at several times, in their order. Empty for an empty trajectory.
     pub fn poses_at(&self, times_s: impl IntoIterator<Item = f64>) -> Vec<Pose> {
         times_s
@@ -66,6 +104,39 @@ impl Trajectory {
 mod tests {
     use super::*;
     use std::f64::consts::PI;
+
+    #[test]
+    fn only_what_is_covered_has_a_pose() {
+        let at = |x_m| Pose {
+            x_m,
+            ..Pose::default()
+        };
+        let trajectory = Trajectory {
+            t_s: vec![1.0, 1.5, 2.0, 12.0, 12.5],
+            poses: [0.0, 0.1, 0.2, 2.0, 0.4].map(at).to_vec(),
+        };
+        for (t_s, covered) in [
+            (-1.0, false),
+            (0.85, false),
+            (0.95, true),
+            (1.0, true),
+            (1.7, true),
+            (2.0, true),
+            (2.001, false),
+            (11.99, false),
+            (12.0, true),
+            (12.55, true),
+            (12.65, false),
+            (1.7e18, false),
+            (f64::NAN, false),
+        ] {
+            assert_eq!(trajectory.covered_pose_at(t_s).is_some(), covered, "{t_s}");
+        }
+        assert_eq!(Trajectory::default().covered_pose_at(0.0), None);
+        assert_eq!(trajectory.jumps(0.5), [3]);
+        assert_eq!(trajectory.jumps(0.1), [2, 3]);
+        assert!(Trajectory::default().jumps(1.0).is_empty());
+    }
 
     #[test]
     fn poses_between_two_turn_the_shorter_way() {

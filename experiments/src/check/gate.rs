@@ -2,17 +2,21 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 
-use crate::data::atomic;
 use crate::data::table::aligned;
+use crate::data::{atomic, json};
 use crate::metrics::Accuracy;
 use crate::run::preset::Preset;
 use crate::summary::Summary;
 
 /// Share by which an error may grow beyond the mean of the baseline.
 const TOLERANCE: f64 = 0.10;
+/// Largest error that a baseline can hold, metres: no scene is as wide.
+const WORST_M: f64 = 1000.0;
+/// Rounding of the numbers in a summary, metres.
+const ROUNDING_M: f64 = 1e-5;
 
 /// Accuracies that later summaries are compared with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -98,11 +102,62 @@ impl Baseline {
     /// Reads a baseline.
     ///
     /// # Errors
-    /// When the file cannot be read or is no baseline.
-    pub fn read(path: &Path) -> Result<Self> {
+    /// When the file cannot be read, or [`Baseline::check`] refuses it.
+    pub fn read(path: &Path, preset: Preset) -> Result<Self> {
         let text = std::fs::read_to_string(path)
             .with_context(|| format!("{}: no baseline; make one with --bless", path.display()))?;
-        serde_json::from_str(&text).with_context(|| format!("{}: is no baseline", path.display()))
+        Self::parse(&text, path, preset)
+    }
+
+    /// Reads the text of a baseline; errors name `origin`.
+    ///
+    /// # Errors
+    /// As [`Baseline::read`].
+    pub fn parse(text: &str, origin: &Path, preset: Preset) -> Result<Self> {
+        let baseline: Self = json::parse(text, origin)?;
+        baseline.check(origin, preset)?;
+        Ok(baseline)
+    }
+
+    /// Refuses a baseline against which nothing could fail: of another preset, without measures, or with numbers that
+    /// no drive gives.
+    ///
+    /// # Errors
+    /// One that names `origin` and the measure.
+    pub fn check(&self, origin: &Path, preset: Preset) -> Result<()> {
+        let origin = origin.display();
+        if self.preset != preset {
+            bail!(
+                "{origin}: preset: is {}, the summary is of {}; give the baseline of that preset",
+                self.preset.name(),
+                preset.name()
+            );
+        }
+        if self.measures.is_empty() {
+            bail!("{origin}: measures: there are none; make a baseline with --bless");
+        }
+        for (index, measure) in self.measures.iter().enumerate() {
+            let field = format!("measures[{index}] ({})", measure.name);
+            let [low, high] = measure.interval_m;
+            let numbers = [low, measure.mae_m, high];
+            let possible = |number: &f64| (0.0..=WORST_M).contains(number);
+            // Rounding may put the mean of equal numbers outside of their interval.
+            let in_order = low <= measure.mae_m + ROUNDING_M && measure.mae_m <= high + ROUNDING_M;
+            if !(numbers.iter().all(possible) && in_order) {
+                bail!(
+                    "{origin}: {field}: {} m in [{low}, {high}] m is impossible; give errors of 0 to {WORST_M} m \
+                    within their interval",
+                    measure.mae_m
+                );
+            }
+            if self.measures[..index]
+                .iter()
+                .any(|other| other.name == measure.name)
+            {
+                bail!("{origin}: {field}: is there twice; leave one out");
+            }
+        }
+        Ok(())
     }
 
     /// Writes the baseline.
@@ -132,7 +187,7 @@ impl Baseline {
                     baseline_m: measure.mae_m,
                     now_m,
                     limit_m,
-                    passed: now_m.is_some_and(|error| error <= limit_m),
+                    passed: now_m.is_some_and(|error| (0.0..=limit_m).contains(&error)),
                 }
             })
             .collect()
@@ -180,6 +235,42 @@ mod tests {
             odometry: accuracy(&[0.5]),
         });
         summary
+    }
+
+    #[test]
+    fn a_baseline_that_cannot_fail_is_refused() {
+        let good = Baseline::of(&summary(&[0.04, 0.05, 0.06]));
+        let origin = Path::new("quick.json");
+        good.check(origin, Preset::Quick).unwrap();
+        let refused = |baseline: &Baseline, preset, word: &str| {
+            let message = format!("{:#}", baseline.check(origin, preset).unwrap_err());
+            assert!(
+                message.contains("quick.json") && message.contains(word),
+                "{message}"
+            );
+        };
+        refused(&good, Preset::Paper, "preset");
+        let empty = Baseline {
+            measures: Vec::new(),
+            ..good.clone()
+        };
+        refused(&empty, Preset::Quick, "there are none");
+        for (mae_m, interval_m) in [
+            (-0.1, [-0.2, 0.1]),
+            (1e30, [0.0, 1e30]),
+            (0.05, [0.06, 0.07]),
+            (0.05, [0.01, 0.02]),
+            (f64::NAN, [0.0, 1.0]),
+            (0.05, [0.0, f64::INFINITY]),
+        ] {
+            let mut bad = good.clone();
+            bad.measures[1].mae_m = mae_m;
+            bad.measures[1].interval_m = interval_m;
+            refused(&bad, Preset::Quick, "drift toa-only");
+        }
+        let mut twice = good.clone();
+        twice.measures.push(twice.measures[0].clone());
+        refused(&twice, Preset::Quick, "twice");
     }
 
     #[test]

@@ -30,6 +30,11 @@ pub(super) struct AlignmentArguments {
 }
 
 impl AlignmentArguments {
+    /// The files that are read besides the recording's.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        self.transmitted.iter().cloned().collect()
+    }
+
     /// As options of the library.
     pub(super) fn options(&self) -> ReadOptions {
         ReadOptions {

@@ -1,10 +1,11 @@
 //! Arguments that several commands share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use localizer::Parameters;
 
+use crate::data::json;
 use crate::recordings::spec::{Engine, IMAGE_ORDER};
 
 /// Engine that computes the sound.
@@ -31,6 +32,35 @@ impl EngineArguments {
     }
 }
 
+/// Whether an output may replace what this program did not write.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct ForceArgument {
+    /// Replace a file or folder that this command did not write. Its own inputs, and what is no regular file, are never
+    /// replaced.
+    #[arg(long)]
+    pub(super) force: bool,
+}
+
+/// The files that are read of a recording folder.
+pub(super) fn files_of_recording(folder: &Path) -> Vec<PathBuf> {
+    let names = [
+        "recording.json",
+        "signal.wav",
+        "odometry.csv",
+        "truth.tum",
+        "direct.wav",
+        "transmitted.wav",
+        "transmitted.json",
+    ];
+    names.map(|name| folder.join(name)).to_vec()
+}
+
+/// The files that are read of a map folder.
+pub(super) fn files_of_map(folder: &Path) -> Vec<PathBuf> {
+    let names = ["map.json", "map.npy", "map_toa.npy", "landmarks.json"];
+    names.map(|name| folder.join(name)).to_vec()
+}
+
 /// Parameters of the localizer.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ParameterArguments {
@@ -45,9 +75,17 @@ impl ParameterArguments {
         let Some(path) = &self.parameters else {
             return Ok(Parameters::default());
         };
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        serde_json::from_str(&text).with_context(|| path.display().to_string())
+        json::read(path)
     }
+}
+
+/// More threads than any grid has strips for.
+const MOST_THREADS: usize = 1024;
+
+/// Reads a number of threads.
+pub(super) fn threads(text: &str) -> Result<usize, String> {
+    let threads = text.parse().ok().filter(|&threads| threads <= MOST_THREADS);
+    threads.ok_or_else(|| format!("give 0 to {MOST_THREADS}"))
 }
 
 /// Reads an argument by its spelling in files (`slf`, `kaiser8`).

@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 
+use super::arguments::{ForceArgument, threads};
 use super::output::print_json;
 use crate::bench::engines::{Row, measure};
 use crate::bench::{SMALLEST, localizer, peaks, subnormal};
 use crate::data::atomic;
 use crate::data::peaks::Peaks;
+use crate::data::place::Place;
 use crate::figures;
 use crate::run::progress::Board;
 
@@ -17,9 +19,6 @@ const SIDES: [usize; 6] = [256, 512, 1000, 2000, 4000, 8000];
 
 /// Default grid of the comparison between a starting field and a field of normal numbers.
 const SUBNORMAL: (usize, usize) = (1000, 1000);
-
-/// More threads than any grid has strips for.
-const MOST_THREADS: usize = 1024;
 
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
@@ -40,8 +39,10 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "DIR", conflicts_with = "json")]
     output: Option<PathBuf>,
     /// Threads of the fast engine [default: rows for 1 and for all cores].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 /// Bytes that a run on this grid needs: two fields of the engine, mask and walls; none on overflow.
@@ -100,6 +101,30 @@ fn line(row: &Row) -> String {
 }
 
 impl Arguments {
+    /// Folder of the results.
+    fn folder(&self) -> Option<PathBuf> {
+        let whole = self.cells.is_none().then(|| PathBuf::from("results/bench"));
+        self.output.clone().or(whole)
+    }
+
+    /// Checks the places of the results.
+    fn check_output(&self) -> Result<()> {
+        let Some(folder) = self.folder() else {
+            return Ok(());
+        };
+        let holds = |bytes: &[u8], field: &str| {
+            let value: serde_json::Value = serde_json::from_slice(bytes).unwrap_or_default();
+            !value[field].is_null() || !value[0][field].is_null()
+        };
+        let check = |name: &str, is_ours: &dyn Fn(&[u8]) -> bool| {
+            Place::of(folder.join(name), self.force.force).file(is_ours)
+        };
+        check("bench.json", &|bytes| holds(bytes, "rows"))?;
+        check("localizer.json", &|bytes| holds(bytes, "stage"))?;
+        // Drawn from the first.
+        check("roofline.png", &|_| folder.join("bench.json").exists())
+    }
+
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         for (flag, value) in [("--steps", self.steps), ("--threads", self.threads)] {
@@ -107,9 +132,7 @@ impl Arguments {
                 bail!("{flag} 0: should be at least 1");
             }
         }
-        if let Some(threads) = self.threads.filter(|&threads| threads > MOST_THREADS) {
-            bail!("--threads {threads}: should be at most {MOST_THREADS}");
-        }
+        self.check_output()?;
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let mut threads = self.threads.map_or_else(|| vec![1, cores], |n| vec![n]);
         threads.dedup();
@@ -169,8 +192,7 @@ impl Arguments {
                 row.stage, row.running_ms, row.median_ms, row.p95_ms, row.limit_ms, row.paper_ms
             ));
         }
-        let whole = self.cells.is_none().then(|| PathBuf::from("results/bench"));
-        let Some(folder) = self.output.or(whole) else {
+        let Some(folder) = self.folder().filter(|_| !json) else {
             return Ok(());
         };
         let data = serde_json::json!({ "rows": rows, "peaks": peaks, "subnormal": subnormal });

@@ -1,14 +1,16 @@
 //! `echolot check`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 
+use super::arguments::ForceArgument;
 use super::output::{print, print_json};
 use crate::check::gate::{self, Baseline};
 use crate::check::targets::Targets;
 use crate::check::verdicts::{Verdict, judge};
 use crate::check::{CheckFailed, readme, report};
+use crate::data::place::Place;
 use crate::run::preset::Preset;
 use crate::summary::Summary;
 
@@ -34,12 +36,19 @@ pub(crate) struct Arguments {
     /// Make the present summary the baseline.
     #[arg(long)]
     bless: bool,
+    #[command(flatten)]
+    force: ForceArgument,
+}
+
+/// The summary of a preset.
+fn summary_of(results: &Path, preset: Preset) -> PathBuf {
+    results.join(preset.name()).join("summary.json")
 }
 
 impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
-        let file = self.results.join(self.preset.name()).join("summary.json");
+        let file = summary_of(&self.results, self.preset);
         if !file.exists() {
             bail!(
                 "{}: there is no summary to check; `echolot run --preset {}` makes it",
@@ -52,7 +61,14 @@ impl Arguments {
             PathBuf::from(format!("experiments/baselines/{}.json", self.preset.name()))
         });
         if self.bless {
-            Baseline::of(&summary).write(&baseline)?;
+            let place = Place {
+                inputs: vec![file],
+                ..Place::of(&baseline, self.force.force)
+            };
+            place.file(|bytes| serde_json::from_slice::<Baseline>(bytes).is_ok())?;
+            let new = Baseline::of(&summary);
+            new.check(&summary_of(&self.results, self.preset), self.preset)?;
+            new.write(&baseline)?;
             eprintln!("wrote {}", baseline.display());
             return Ok(());
         }
@@ -88,7 +104,7 @@ impl Arguments {
                 .filter(|judged| judged.verdict != Verdict::Reproduced);
             (failed.count(), testable.count(), "claims not reproduced")
         } else {
-            let verdicts = Baseline::read(&baseline)?.judge(&summary);
+            let verdicts = Baseline::read(&baseline, self.preset)?.judge(&summary);
             if json {
                 print_json(&verdicts)?;
             } else {

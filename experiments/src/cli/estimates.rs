@@ -4,12 +4,8 @@ use std::fmt::Write as _;
 
 use clap::ValueEnum;
 use localizer::io::recording_source::RecordingSource;
+use localizer::quality::Fit;
 use localizer::{Estimate, Method, Parameters, Trajectory};
-
-use crate::metrics::{mean, quantile, rounded};
-
-/// Largest distance in time of a true pose from an estimate of which it is the truth, in seconds: that of `evo_ape`.
-const LARGEST_APART_S: f64 = 0.01;
 
 /// Clock of the times of estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -54,7 +50,7 @@ pub(super) fn trajectory(estimates: &[Estimate], reading_s: f64) -> Trajectory {
 
 /// First line of a table of estimates.
 pub(super) const HEADER: &str = "t_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_mrad,yh_mrad,hh_rad2,status,\
-    effective_sample_size,latest_s,latest_x_m,latest_y_m,latest_heading_rad\n";
+    effective_sample_size,latest_s,latest_x_m,latest_y_m,latest_heading_rad,fit,trust\n";
 
 /// What an estimate rests on.
 pub(super) fn status(estimate: &Estimate, by_wheels: bool) -> &'static str {
@@ -65,89 +61,44 @@ pub(super) fn status(estimate: &Estimate, by_wheels: bool) -> &'static str {
     }
 }
 
-/// The table of a whole drive.
-pub(super) fn table(estimates: &[Estimate], parameters: &Parameters, reading_s: f64) -> String {
+/// Whether bytes are a file of [`table`].
+pub(super) fn is_table(bytes: &[u8]) -> bool {
+    bytes.starts_with(HEADER.as_bytes())
+}
+
+/// The table of a whole drive: estimates and fits correspond.
+pub(super) fn table(
+    estimates: &[Estimate],
+    fits: &[Fit],
+    parameters: &Parameters,
+    reading_s: f64,
+) -> String {
     let by_wheels = parameters.filter.method == Method::Odometry;
     let rest = parameters.measurement.periods as f64 - parameters.measurement.reference_periods();
     let mut text = String::from(HEADER);
-    for estimate in estimates {
+    let end_s = rest * parameters.period_s();
+    for (estimate, fit) in estimates.iter().zip(fits) {
         let status = status(estimate, by_wheels);
-        line(
-            &mut text,
-            estimate,
-            reading_s,
-            rest * parameters.period_s(),
-            status,
+        let trust = if fit.sure { "sure" } else { "doubtful" };
+        let [[xx, xy, xh], [_, yy, yh], [.., hh]] = estimate.covariance;
+        let (pose, latest) = (estimate.pose, estimate.latest);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{:.6},{:.6},{:.6},{:.6},{xx:.3e},{xy:.3e},{yy:.3e},{xh:.3e},{yh:.3e},{hh:.3e},{status},{:.1},{:.6},\
+             {:.6},{:.6},{:.6},{:.3},{trust}",
+            estimate.t_s + reading_s,
+            pose.x_m,
+            pose.y_m,
+            pose.heading_rad,
+            estimate.effective_sample_size,
+            // The newest sample comes after the estimate's instant.
+            estimate.t_s + reading_s + end_s,
+            latest.x_m,
+            latest.y_m,
+            latest.heading_rad,
+            fit.fit,
         );
     }
     text
-}
-
-/// A line of the table. `block_end_s` is the time of the newest sample after the estimate's instant.
-pub(super) fn line(
-    text: &mut String,
-    estimate: &Estimate,
-    reading_s: f64,
-    end_s: f64,
-    status: &str,
-) {
-    let [[xx, xy, xh], [_, yy, yh], [.., hh]] = estimate.covariance;
-    let (pose, latest) = (estimate.pose, estimate.latest);
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        text,
-        "{:.6},{:.6},{:.6},{:.6},{xx:.3e},{xy:.3e},{yy:.3e},{xh:.3e},{yh:.3e},{hh:.3e},{status},{:.1},{:.6},{:.6},\
-         {:.6},{:.6}",
-        estimate.t_s + reading_s,
-        pose.x_m,
-        pose.y_m,
-        pose.heading_rad,
-        estimate.effective_sample_size,
-        estimate.t_s + reading_s + end_s,
-        latest.x_m,
-        latest.y_m,
-        latest.heading_rad,
-    );
-}
-
-/// Errors of a path.
-pub(super) struct Errors {
-    /// Distance from the truth of every estimate, in metres.
-    pub(super) all_m: Vec<f64>,
-}
-
-impl Errors {
-    /// Distances from the nearest true pose in time, as `evo_ape` takes it; between true poses where these lie further
-    /// apart.
-    pub(super) fn of(estimates: &[Estimate], truth: &Trajectory) -> Self {
-        let distance = |estimate: &Estimate| {
-            let nearest = nearest(truth, estimate.t_s)?;
-            let apart_s = (truth.t_s[nearest] - estimate.t_s).abs();
-            let truth = match apart_s <= LARGEST_APART_S {
-                true => truth.poses[nearest],
-                false => truth.pose_at(estimate.t_s)?,
-            };
-            Some(estimate.pose.distance_m(&truth))
-        };
-        Self {
-            all_m: estimates.iter().filter_map(distance).collect(),
-        }
-    }
-
-    pub(super) fn mae_m(&self) -> f64 {
-        mean(&self.all_m)
-    }
-
-    pub(super) fn p90_m(&self) -> f64 {
-        rounded(quantile(&self.all_m, 0.9))
-    }
-}
-
-/// Index of the pose nearest in time, the first of two.
-fn nearest(truth: &Trajectory, t_s: f64) -> Option<usize> {
-    let next = truth.t_s.partition_point(|&time| time < t_s);
-    let apart = |index: &usize| (truth.t_s[*index] - t_s).abs();
-    (next.saturating_sub(1)..=next)
-        .filter(|&index| index < truth.len())
-        .min_by(|a, b| apart(a).total_cmp(&apart(b)))
 }

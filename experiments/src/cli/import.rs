@@ -7,9 +7,12 @@ use clap::ValueEnum;
 use localizer::Trajectory;
 use localizer::io::odometry_csv;
 
+use super::arguments::ForceArgument;
 use super::output::print_json;
 use crate::bag::{self, Topics};
 use crate::data::atomic;
+use crate::data::manifest::Manifest;
+use crate::data::place::Place;
 
 /// Format of the samples in the messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -57,6 +60,8 @@ pub(crate) struct Arguments {
     /// Description that `transmit` wrote; it is copied into the recording.
     #[arg(long, value_name = "TX.json")]
     transmitted: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 impl Arguments {
@@ -101,12 +106,16 @@ impl Arguments {
         if !(1..=64).contains(&self.channels) {
             bail!("--channels: {}; give 1 to 64", self.channels);
         }
-        if self.output.exists() {
-            bail!(
-                "{}: exists; give the name of a new folder",
-                self.output.display()
-            );
-        }
+        let bytes = std::fs::metadata(&self.bag).map_or(0, |data| data.len());
+        let place = Place {
+            inputs: [Some(self.bag.clone()), self.transmitted.clone()]
+                .into_iter()
+                .flatten()
+                .collect(),
+            bytes,
+            ..Place::of(&self.output, self.force.force)
+        };
+        place.whole_folder()?;
         let topics = Topics {
             odometry: self.odometry.clone(),
             truth: self.truth.clone(),
@@ -152,7 +161,8 @@ impl Arguments {
                 std::fs::write(folder.join("transmitted.json"), description)?;
             }
             let text = serde_json::to_string_pretty(&meta)? + "\n";
-            Ok(std::fs::write(folder.join("recording.json"), text)?)
+            std::fs::write(folder.join("recording.json"), text)?;
+            Manifest::of(folder)?.write(folder)
         })?;
         if json {
             return print_json(&serde_json::json!({

@@ -4,12 +4,15 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 use localizer::landmarks::{self, Estimate, LandmarkMap, Noise, Start, Status};
+use localizer::quality::{self, CodeMeter};
 use localizer::{EchoSequence, Parameters, Pose, Recording, Trajectory, echo};
 
 use super::output::{print, print_json};
-use crate::data::atomic;
-use crate::metrics::{mean, quantile, rounded};
+use super::trust::{self, Warnings};
+use crate::data::{atomic, estimate, manifest};
+use crate::metrics::{mean, rounded};
 use crate::run::progress::Board;
+use crate::scores::Scores;
 
 /// Standard deviations of a start that truth or the user gives, in metres and radians.
 pub(super) const START_SIGMA: [f64; 2] = [0.01, 0.02];
@@ -21,7 +24,7 @@ pub(super) fn map(drives: &[(EchoSequence, Vec<Pose>)], output: &Path, json: boo
         .map(|(sequence, poses)| (sequence, poses.as_slice()))
         .collect();
     let map = landmarks::learn(&parts)?;
-    map.write(output)?;
+    manifest::put_into(output, |folder| Ok(map.write(folder)?))?;
     let walls = map
         .landmarks
         .iter()
@@ -48,6 +51,7 @@ pub(super) fn map(drives: &[(EchoSequence, Vec<Pose>)], output: &Path, json: boo
 /// Follows the robot of a recording among the landmarks of a map: writes the trajectory, and beside it a table with
 /// covariance and status.
 pub(super) fn localize(
+    folder: &Path,
     recording: &Recording,
     map: &LandmarkMap,
     parameters: &Parameters,
@@ -57,6 +61,15 @@ pub(super) fn localize(
 ) -> Result<()> {
     let task = Board::new().task("localize", 2);
     let echoes = echo::measure(recording, parameters)?;
+    let mut warnings = Warnings::default();
+    warnings.extend(trust::changed(folder));
+    quality::check_signal(&recording.signal, &folder.display().to_string())?;
+    trust::check_echoes(
+        &recording.meta,
+        &CodeMeter::of(&echoes),
+        folder,
+        &mut warnings,
+    )?;
     task.set(1);
     let estimates = landmarks::localize(&echoes, map, start, Noise::default());
     task.finish();
@@ -67,13 +80,16 @@ pub(super) fn localize(
         t_s: estimates.iter().map(|estimate| estimate.t_s).collect(),
         poses: estimates.iter().map(|estimate| estimate.pose).collect(),
     };
-    trajectory.write_tum(output)?;
+    estimate::write(output, &trajectory)?;
     let table = output.with_extension("csv");
     atomic::write(&table, csv(&estimates).as_bytes())?;
-    let scores = recording
-        .truth
-        .as_ref()
-        .map(|truth| Scores::new(&estimates, truth));
+    let (scores, latest, coverage) = scored(recording, &estimates);
+    if recording.truth.is_some() && coverage < 1.0 {
+        warnings.add(format!(
+            "truth.tum covers {:.0} % of the drive; only that is scored",
+            100.0 * coverage
+        ));
+    }
     let shares =
         [Status::Sure, Status::Converging, Status::Lost].map(|status| share(&estimates, status));
     if json {
@@ -81,12 +97,15 @@ pub(super) fn localize(
             "estimate": output,
             "table": table,
             "poses": estimates.len(),
-            "mae_m": scores.as_ref().map(|scores| rounded(scores.mae_m)),
-            "p90_m": scores.as_ref().map(|scores| rounded(scores.p90_m)),
-            "max_m": scores.as_ref().map(|scores| rounded(scores.max_m)),
-            "final_m": scores.as_ref().map(|scores| rounded(scores.final_m)),
-            "latest_mae_m": scores.as_ref().map(|scores| rounded(scores.latest_mae_m)),
-            "heading_mae_rad": scores.as_ref().map(|scores| rounded(scores.heading_mae_rad)),
+            "mae_m": scores.as_ref().map(|scores| scores.mae_m),
+            "rmse_m": scores.as_ref().map(|scores| scores.rmse_m),
+            "p90_m": scores.as_ref().map(|scores| scores.p90_m),
+            "max_m": scores.as_ref().map(|scores| scores.max_m),
+            "final_m": scores.as_ref().map(|scores| scores.final_m),
+            "latest_mae_m": latest.map(|scores| scores.mae_m),
+            "heading_mae_rad": scores.as_ref().map(|scores| scores.heading_mae_rad),
+            "coverage": coverage,
+            "warnings": warnings.tell(),
             "status": {"sure": rounded(shares[0]), "converging": rounded(shares[1]), "lost": rounded(shares[2])},
             "fit": rounded(mean(&estimates.iter().map(|estimate| estimate.fit).collect::<Vec<_>>())),
             "speed_of_sound_mps": rounded(last.speed_of_sound_mps),
@@ -116,14 +135,17 @@ pub(super) fn localize(
     print(&text)?;
     match scores {
         Some(scores) => print(&format!(
-            "mean absolute position error {:.4} m\n",
-            scores.mae_m
+            "mean absolute position error {:.4} m over {:.0} % of the drive\n",
+            scores.mae_m,
+            100.0 * coverage
         ))?,
-        None => eprintln!("no truth.tum: no error to tell"),
+        None if recording.truth.is_none() => eprintln!("no truth.tum: no error to tell"),
+        None => {}
     }
     if last.status == Status::Lost {
-        eprintln!("warning: lost at the end: the echoes do not fit the map there");
+        warnings.add("lost at the end: the echoes do not fit the map there");
     }
+    warnings.tell();
     Ok(())
 }
 
@@ -133,40 +155,27 @@ pub(super) fn share(estimates: &[Estimate], status: Status) -> f64 {
     with as f64 / estimates.len().max(1) as f64
 }
 
-/// Errors of a drive.
-pub(super) struct Scores {
-    pub(super) mae_m: f64,
-    pub(super) p90_m: f64,
-    pub(super) max_m: f64,
-    pub(super) final_m: f64,
-    pub(super) latest_mae_m: f64,
-    pub(super) heading_mae_rad: f64,
+/// Scores of the poses at the blocks' instants, of those at the newest sample, and the share of the drive that the
+/// truth covers.
+pub(super) fn scored(
+    recording: &Recording,
+    estimates: &[Estimate],
+) -> (Option<Scores>, Option<Scores>, f64) {
+    let Some(truth) = &recording.truth else {
+        return (None, None, 0.0);
+    };
+    let of = |pose: &dyn Fn(&Estimate) -> (f64, Pose)| {
+        let poses: Vec<(f64, Pose)> = estimates.iter().map(pose).collect();
+        Scores::of(&poses, truth)
+    };
+    let (scores, coverage) = of(&|e| (e.t_s, e.pose));
+    let (latest, _) = of(&|e| (e.latest_s, e.latest));
+    (scores, latest, coverage)
 }
 
-impl Scores {
-    pub(super) fn new(estimates: &[Estimate], truth: &Trajectory) -> Self {
-        let at = |t_s: f64| truth.pose_at(t_s).unwrap_or_default();
-        let errors: Vec<f64> = estimates
-            .iter()
-            .map(|e| e.pose.distance_m(&at(e.t_s)))
-            .collect();
-        let latest: Vec<f64> = estimates
-            .iter()
-            .map(|e| e.latest.distance_m(&at(e.latest_s)))
-            .collect();
-        let turned = |e: &Estimate| {
-            localizer::pose::wrap_angle(e.pose.heading_rad - at(e.t_s).heading_rad).abs()
-        };
-        let headings: Vec<f64> = estimates.iter().map(turned).collect();
-        Self {
-            mae_m: mean(&errors),
-            p90_m: quantile(&errors, 0.9),
-            max_m: quantile(&errors, 1.0),
-            final_m: errors.last().copied().unwrap_or_default(),
-            latest_mae_m: mean(&latest),
-            heading_mae_rad: mean(&headings),
-        }
-    }
+/// Whether bytes are a table that this command wrote.
+pub(super) fn is_table(bytes: &[u8]) -> bool {
+    bytes.starts_with(csv(&[]).as_bytes())
 }
 
 /// The estimates as a table.

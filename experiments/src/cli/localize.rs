@@ -9,18 +9,24 @@ use localizer::io::recording_source::RecordingSource;
 use localizer::landmarks::{LandmarkMap, Start};
 use localizer::odometry::mean_over_time;
 use localizer::pose::wrap_angle;
+use localizer::quality::{CodeMeter, Fit, FitMeter};
 use localizer::{Estimate, MapImage, Method, Parameters, Pose, Trajectory, offline};
 
 use super::alignment::AlignmentArguments;
-use super::arguments::ParameterArguments;
-use super::estimates::{self, Clock, Errors};
+use super::arguments::{ForceArgument, ParameterArguments, files_of_map, files_of_recording};
+use super::estimates::{self, Clock};
 use super::landmarks;
 use super::output::{print, print_json};
+use super::trust::{self, Warnings};
 use crate::data::atomic;
+use crate::data::estimate;
+use crate::data::place::Place;
 use crate::figures;
+use crate::figures::drawing::png;
 use crate::figures::localization::Localization;
-use crate::metrics::rounded;
+use crate::metrics::{quantile, rounded};
 use crate::run::progress::Board;
+use crate::scores::Scores;
 
 /// Method of localization.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -53,8 +59,9 @@ impl MethodArgument {
     after_help = "Example:\n  echolot localize recordings/drive --map maps/room -o drive.tum --seed 1\n  \
     echolot localize recordings/drive --map maps/room -o drive.tum --method landmarks --start unknown\n\n\
     With truth.tum in the recording the mean absolute error is printed. Unless given, the start is the truth at time \
-    0, the start of recording.json, or the origin. By landmarks a table with covariance and status is written beside \
-    EST.tum."
+    0, the start of recording.json, or the origin. A table with covariance, fit and status is written beside EST.tum. \
+    The last line says whether the code was found, how well the echoes fit the map, and for how much of the drive the \
+    pose is sure; a signal without the code is refused."
 )]
 pub(crate) struct Arguments {
     /// Recording folder.
@@ -96,6 +103,8 @@ pub(crate) struct Arguments {
     parameters: ParameterArguments,
     #[command(flatten)]
     alignment: AlignmentArguments,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 /// Start of a drive.
@@ -144,6 +153,8 @@ pub(super) fn start_sigma(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
+/// Share of sure estimates below which a run is told to be doubtful.
+const SURE_ENOUGH: f64 = 0.8;
 /// Largest number of a start.
 const FARTHEST: f64 = 1e5;
 
@@ -179,11 +190,70 @@ impl Arguments {
             Some(StartArgument::Pose(pose)) => known(pose),
             None => known(recording.start_pose()),
         };
-        landmarks::localize(&recording, &map, &parameters, &start, &self.output, json)
+        landmarks::localize(
+            &self.recording,
+            &recording,
+            &map,
+            &parameters,
+            &start,
+            &self.output,
+            json,
+        )
+    }
+
+    /// Checks the places of the trajectory, of the table beside it, and of the picture.
+    fn check_output(&self) -> Result<()> {
+        let mut inputs = files_of_recording(&self.recording);
+        inputs.extend(files_of_map(&self.map));
+        inputs.extend(self.parameters.parameters.clone());
+        inputs.extend(self.alignment.files());
+        let table = self.output.with_extension("csv");
+        let place = |path: &Path| Place {
+            inputs: inputs.clone(),
+            ..Place::of(path, self.force.force)
+        };
+        place(&self.output).file(estimate::is_ours)?;
+        if table == self.output {
+            bail!(
+                "{}: is the name of the table beside the trajectory; give one that ends in .tum",
+                table.display()
+            );
+        }
+        place(&table).file(match self.method {
+            MethodArgument::Landmarks => landmarks::is_table,
+            _ => estimates::is_table,
+        })?;
+        match &self.figure {
+            Some(picture) => Place {
+                inputs: [inputs, vec![self.output.clone(), table]].concat(),
+                ..Place::of(picture, self.force.force)
+            }
+            .file(png::is_ours),
+            None => Ok(()),
+        }
+    }
+
+    /// Warnings on what the recording and the parameters say.
+    fn words(&self, source: &RecordingSource, map: &MapImage, parameters: &Parameters) -> Warnings {
+        let mut warnings = Warnings::default();
+        warnings.extend(trust::changed(&self.recording));
+        warnings.extend(trust::changed(&self.map));
+        warnings.extend(trust::ignored(
+            self.parameters.parameters.as_deref(),
+            parameters,
+        ));
+        warnings.extend(trust::contradictions(&map.parameters, parameters));
+        if self.start.is_none() && source.known_start().is_none() {
+            warnings.add(
+                "no start is known, the origin is taken; give --start, or start in recording.json",
+            );
+        }
+        warnings
     }
 
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
+        self.check_output()?;
         let source = self.alignment.open(&self.recording)?;
         let Some(method) = self.method.of_images() else {
             return self.among_landmarks(source, json);
@@ -197,30 +267,60 @@ impl Arguments {
         };
         let map = MapImage::read(&self.map)?;
         let parameters = self.of_images(&map, &source, method)?;
+        source.check_signal()?;
+        let mut warnings = self.words(&source, &map, &parameters);
         let task = Board::new().task("localize", 1);
-        let estimates = offline::localize_source(&source, &map, &parameters, start, self.seed)?;
+        let mut code = CodeMeter::new(&parameters);
+        let (estimates, fits) =
+            localize(&source, &map, &parameters, (start, self.seed), &mut code)?;
+        let code = trust::check_echoes(&source.meta, &code, &self.recording, &mut warnings)?;
         task.finish();
         let table = self.output.with_extension("csv");
         let clock = self.clock.unwrap_or_else(|| Clock::usual(&source));
         let reading_s = clock.reading_s(&source);
-        estimates::trajectory(&estimates, reading_s).write_tum(&self.output)?;
-        let text = estimates::table(&estimates, &parameters, reading_s);
+        estimate::write(&self.output, &estimates::trajectory(&estimates, reading_s))?;
+        let text = estimates::table(&estimates, &fits, &parameters, reading_s);
         atomic::write(&table, text.as_bytes())?;
         if let Some(picture) = &self.figure {
             self.draw(&source, &map, &parameters, (start, &estimates), picture)?;
         }
-        let errors = source
-            .truth
-            .as_ref()
-            .map(|truth| Errors::of(&estimates, truth));
-        let mae_m = errors.as_ref().map(Errors::mae_m);
+        let sure = fits.iter().filter(|fit| fit.sure).count() as f64 / fits.len().max(1) as f64;
+        let fit = quantile(&fits.iter().map(|fit| fit.fit).collect::<Vec<_>>(), 0.5);
+        if sure < SURE_ENOUGH {
+            warnings.add(format!(
+                "the echoes fit the map for {:.0} % of the drive only; check start, map, speed of sound and odometry",
+                100.0 * sure
+            ));
+        }
+        let poses: Vec<(f64, Pose)> = estimates
+            .iter()
+            .map(|estimate| (estimate.t_s, estimate.pose))
+            .collect();
+        let scored = source.truth.as_ref().map(|truth| Scores::of(&poses, truth));
+        let (scores, coverage) = scored.unwrap_or_default();
+        if source.truth.is_some() && coverage < 1.0 {
+            warnings.add(format!(
+                "truth.tum covers {:.0} % of the drive; only that is scored",
+                100.0 * coverage
+            ));
+        }
         if json {
+            let score = |of: &dyn Fn(&Scores) -> f64| scores.as_ref().map(of);
             return print_json(&serde_json::json!({
                 "estimate": self.output,
                 "table": table,
                 "poses": estimates.len(),
-                "mae_m": mae_m,
-                "p90_m": errors.as_ref().map(|errors| rounded(errors.p90_m())),
+                "mae_m": score(&|scores| scores.mae_m),
+                "rmse_m": score(&|scores| scores.rmse_m),
+                "p90_m": score(&|scores| scores.p90_m),
+                "max_m": score(&|scores| scores.max_m),
+                "final_m": score(&|scores| scores.final_m),
+                "heading_mae_rad": score(&|scores| scores.heading_mae_rad),
+                "coverage": coverage,
+                "status": {"sure": rounded(sure), "doubtful": rounded(1.0 - sure)},
+                "fit": rounded(fit),
+                "code_found": code.map(rounded),
+                "warnings": warnings.tell(),
             }));
         }
         eprintln!(
@@ -229,10 +329,23 @@ impl Arguments {
             table.display(),
             estimates.len()
         );
-        match mae_m {
-            Some(mae_m) => print(&format!("mean absolute position error {mae_m:.4} m\n"))?,
-            None => eprintln!("no truth.tum: no error to tell"),
+        let code = code.map_or("no code looked for".to_string(), |share| {
+            format!("code found in {:.0} % of the blocks", 100.0 * share)
+        });
+        print(&format!(
+            "{code}; fit {fit:.1} sigma; sure {:.0} % of the time\n",
+            100.0 * sure
+        ))?;
+        match scores {
+            Some(scores) => print(&format!(
+                "mean absolute position error {:.4} m over {:.0} % of the drive\n",
+                scores.mae_m,
+                100.0 * coverage
+            ))?,
+            None if source.truth.is_none() => eprintln!("no truth.tum: no error to tell"),
+            None => {}
         }
+        warnings.tell();
         Ok(())
     }
 
@@ -299,4 +412,26 @@ impl Arguments {
         parameters.check()?;
         Ok(parameters)
     }
+}
+
+/// Estimates of a drive by echo images and how well each fits, block by block, so that memory does not grow with the
+/// drive; `code` counts along.
+fn localize(
+    source: &RecordingSource,
+    map: &MapImage,
+    parameters: &Parameters,
+    (start, seed): (Pose, u64),
+    code: &mut CodeMeter,
+) -> Result<(Vec<Estimate>, Vec<Fit>)> {
+    let mut tracker = offline::tracker(parameters, map, parameters, start, seed)?;
+    let mut meter = FitMeter::new(parameters, map);
+    let mut estimates = Vec::new();
+    source.measure_each(parameters, &mut |block, recent| {
+        let estimate = tracker.update(block, recent, map);
+        code.add(block);
+        meter.add(block, &estimate);
+        estimates.push(estimate);
+        Ok(true)
+    })?;
+    Ok((estimates, meter.finish()))
 }

@@ -4,16 +4,28 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use localizer::echo::block_stream::EachBlock;
 use localizer::image::map_builder::MapBuilder;
 use localizer::parameters::SignalParameters;
-use localizer::{EchoSequence, Parameters, Pose, Trajectory, echo, landmarks};
+use localizer::quality::CodeMeter;
+use localizer::{EchoSequence, Parameters, Pose, echo, landmarks};
 
 use super::alignment::AlignmentArguments;
-use super::arguments::ParameterArguments;
+use super::arguments::{ForceArgument, ParameterArguments, files_of_recording};
 use super::output::print_json;
+use super::trust::{self, Cover, Warnings};
+use crate::data::manifest;
+use crate::data::place::Place;
+use crate::metrics::rounded;
 use crate::run::interrupt;
 use crate::run::progress::Board;
+
+/// Names of the files of a map of landmarks.
+pub(super) const LANDMARK_FILES: &[&str] = &[
+    "landmarks.json",
+    "landmarks.geojson",
+    "landmarks.pgm",
+    "landmarks.yaml",
+];
 
 /// Kind of map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -48,11 +60,41 @@ pub(crate) struct Arguments {
     parameters: ParameterArguments,
     #[command(flatten)]
     alignment: AlignmentArguments,
+    #[command(flatten)]
+    force: ForceArgument,
+}
+
+impl MethodArgument {
+    /// Names of the files of such a map.
+    fn files(self) -> &'static [&'static str] {
+        match self {
+            Self::Images => &["map.json", "map.npy", "map_toa.npy", "map.pgm", "map.yaml"],
+            Self::Landmarks => LANDMARK_FILES,
+        }
+    }
 }
 
 impl Arguments {
+    /// Checks the place of the map.
+    fn check_output(&self) -> Result<()> {
+        let recordings = self.recordings.iter();
+        let mut inputs: Vec<PathBuf> = recordings
+            .flat_map(|folder| files_of_recording(folder))
+            .collect();
+        inputs.extend(self.parameters.parameters.clone());
+        inputs.extend(self.alignment.files());
+        let place = Place {
+            inputs,
+            // Some 20 m square in cells of 0.1 m, in two layers.
+            bytes: 1 << 20,
+            ..Place::of(&self.output, self.force.force)
+        };
+        place.files_in_folder(self.method.files())
+    }
+
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
+        self.check_output()?;
         let mut parameters = self.parameters.read()?;
         let usual = match (self.method, &self.parameters.parameters) {
             (MethodArgument::Landmarks, None) => landmarks::PERIODS,
@@ -63,6 +105,7 @@ impl Arguments {
         let task = board.task("map", self.recordings.len() as u64);
         let mut drives: Vec<(EchoSequence, Vec<Pose>)> = Vec::new();
         let mut images: Option<(MapBuilder, Parameters)> = None;
+        let (mut warnings, mut codes, mut blocks) = (Warnings::default(), Vec::new(), Vec::new());
         for (index, folder) in self.recordings.iter().enumerate() {
             interrupt::check()?;
             let source = self.alignment.open(folder)?;
@@ -72,25 +115,49 @@ impl Arguments {
                     folder.display()
                 );
             };
+            source.check_signal()?;
+            warnings.extend(trust::changed(folder));
             let own = parameters.for_recording(&source.meta);
-            if self.method == MethodArgument::Landmarks {
-                let truth = truth.clone();
+            warnings.extend(trust::ignored(self.parameters.parameters.as_deref(), &own));
+            let code = if self.method == MethodArgument::Landmarks {
+                let (truth, meta) = (truth.clone(), source.meta.clone());
                 let sequence = echo::measure(&source.load()?, &own)?;
-                let poses = sequence.poses(&truth);
-                drives.push((sequence, poses));
+                let code = CodeMeter::of(&sequence);
+                let code = trust::check_echoes(&meta, &code, folder, &mut warnings)?;
+                drives.push(trust::covered(sequence, &truth, folder, &mut warnings)?);
+                code
             } else {
-                let (map, first) =
-                    images.get_or_insert_with(|| (MapBuilder::new(&own), own.clone()));
+                if images.is_none() {
+                    images = Some((MapBuilder::new(&own)?, own.clone()));
+                }
+                let Some((map, first)) = &mut images else {
+                    continue;
+                };
                 check_alike(&first.signal, &own.signal, folder)?;
-                add(map, truth, &|each| source.measure_each(&own, each))?;
-            }
+                let mut code = CodeMeter::new(&own);
+                let speeds = source.odometry.iter().map(|sample| sample.v_mps);
+                let mut cover = Cover::new(truth, speeds, folder, &mut warnings)?;
+                source.measure_each(&own, &mut |block, _| {
+                    code.add(block);
+                    if let Some(pose) = cover.pose_at(block.t_s) {
+                        map.add(block, &pose)?;
+                    }
+                    Ok(true)
+                })?;
+                let code = trust::check_echoes(&source.meta, &code, folder, &mut warnings)?;
+                blocks.push(cover.finish(folder, &mut warnings)?);
+                code
+            };
+            codes.push(code.map(rounded));
             task.set(index as u64 + 1);
         }
+        task.finish();
+        let warnings = warnings.tell();
         let Some((map, _)) = images else {
             return super::landmarks::map(&drives, &self.output, json);
         };
         let map = map.finish()?;
-        map.write(&self.output)?;
+        manifest::put_into(&self.output, |folder| Ok(map.write(folder)?))?;
         let (rows, columns) = map.intensity.dim();
         if json {
             return print_json(&serde_json::json!({
@@ -99,6 +166,9 @@ impl Arguments {
                 "columns": columns,
                 "cell_m": map.cell_m,
                 "origin_m": map.origin_m(),
+                "blocks": blocks,
+                "code_found": codes,
+                "warnings": warnings,
             }));
         }
         eprintln!(
@@ -108,19 +178,6 @@ impl Arguments {
         );
         Ok(())
     }
-}
-
-/// Hands blocks to a map with their true poses.
-type MeasureEach<'a> = dyn Fn(&mut EachBlock<'_>) -> Result<(), localizer::Error> + 'a;
-
-/// Adds the blocks of a drive to a map.
-fn add(map: &mut MapBuilder, truth: &Trajectory, measure: &MeasureEach<'_>) -> Result<()> {
-    measure(&mut |block, _| {
-        let pose = truth.pose_at(block.t_s).unwrap_or_default();
-        map.add(block, &pose)?;
-        Ok(true)
-    })?;
-    Ok(())
 }
 
 /// Refuses drives with other codes or sensors in one map.

@@ -14,12 +14,14 @@ mod map;
 mod output;
 mod record;
 mod reference;
+mod robustness;
 mod run;
 mod scene;
 mod simulate;
 mod slam;
 mod track;
 mod transmit;
+mod trust;
 mod validate;
 
 use anyhow::Result;
@@ -74,6 +76,8 @@ enum Command {
     Validate(validate::Arguments),
     /// List the studies.
     List(list::Arguments),
+    /// Write the table of what was tried against wrong inputs and faults as a page of the documents.
+    Robustness(robustness::Arguments),
     /// Write the help of all commands as one page of the documents.
     Reference(reference::Arguments),
 }
@@ -102,6 +106,7 @@ impl Cli {
             Command::Bench(arguments) => arguments.run(json),
             Command::Validate(arguments) => arguments.run(json),
             Command::List(arguments) => arguments.run(json),
+            Command::Robustness(arguments) => arguments.run(json),
             Command::Reference(arguments) => arguments.run(&reference()),
         }
     }

@@ -6,9 +6,12 @@ use anyhow::Result;
 use clap::Subcommand;
 
 use super::alignment::AlignmentArguments;
+use super::arguments::{ForceArgument, files_of_recording};
 use super::output::{print, print_json};
 use crate::check::CheckFailed;
+use crate::data::place::Place;
 use crate::figures;
+use crate::figures::drawing::png;
 use crate::inspection::{Inspection, Verdict};
 
 /// Arguments of `record`.
@@ -33,6 +36,8 @@ enum Command {
         figure: Option<PathBuf>,
         #[command(flatten)]
         alignment: AlignmentArguments,
+        #[command(flatten)]
+        force: ForceArgument,
     },
 }
 
@@ -43,7 +48,16 @@ impl Arguments {
             recording,
             figure,
             alignment,
+            force,
         } = self.command;
+        if let Some(picture) = &figure {
+            let inputs = [files_of_recording(&recording), alignment.files()].concat();
+            let place = Place {
+                inputs,
+                ..Place::of(picture, force.force)
+            };
+            place.file(png::is_ours)?;
+        }
         let inspection = Inspection::of(&recording, &alignment.options())?;
         if let Some(picture) = &figure {
             figures::inspection::draw(&inspection, picture)?;

@@ -5,8 +5,14 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Command;
 
+use super::arguments::ForceArgument;
 use super::output::print;
 use crate::data::atomic;
+use crate::data::place::Place;
+
+/// How the page begins.
+const BEGIN: &str =
+    "# Command line\n\nWritten by `make reference` from the program; do not edit.\n";
 
 /// Arguments of `reference`.
 #[derive(Debug, clap::Args)]
@@ -18,13 +24,19 @@ pub(crate) struct Arguments {
     /// Markdown file that is written.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 impl Arguments {
     /// Writes or prints the page.
     pub(crate) fn run(self, page: &str) -> Result<()> {
         match self.output {
-            Some(file) => atomic::write(&file, page.as_bytes()),
+            Some(file) => {
+                let is_ours = |bytes: &[u8]| bytes.starts_with(BEGIN.as_bytes());
+                Place::of(&file, self.force.force).file(is_ours)?;
+                atomic::write(&file, page.as_bytes())
+            }
             None => print(page),
         }
     }
@@ -32,9 +44,7 @@ impl Arguments {
 
 /// The help of every command below `root` as one Markdown page.
 pub(super) fn page(root: Command) -> String {
-    let mut text = String::from(
-        "# Command line\n\nWritten by `make reference` from the program; do not edit.\n",
-    );
+    let mut text = String::from(BEGIN);
     let mut root = root.term_width(100);
     root.build();
     describe(&mut root, &mut text);

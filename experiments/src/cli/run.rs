@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 
-use super::arguments::{EngineArguments, ParameterArguments};
+use super::arguments::{EngineArguments, ParameterArguments, threads};
 use super::output::{print, print_json};
 
 use crate::check::report;
@@ -40,11 +40,11 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     engine: EngineArguments,
     /// Threads; 0 takes all.
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = threads)]
     threads: usize,
     /// Simulations that run side by side, each on its share of the threads [default: one or two, measured at the
     /// start].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads)]
     side_by_side: Option<usize>,
     /// Leave out the figures.
     #[arg(long)]

@@ -6,11 +6,14 @@ use anyhow::{Result, bail};
 use clap::{Subcommand, ValueEnum};
 use fdtd::scene::{LayoutKind, Scene, random};
 
+use super::arguments::ForceArgument;
 use super::output::{print, print_json};
 use crate::data::atomic;
+use crate::data::place::Place;
+use crate::figures::drawing::png;
 use crate::figures::field;
 use crate::figures::scene::draw;
-use crate::recordings::impulse_snapshot;
+use crate::recordings::{impulse_snapshot, preflight};
 
 /// Arguments of `scene`.
 #[derive(Debug, clap::Args)]
@@ -48,6 +51,8 @@ enum Command {
         /// Time since the click, seconds.
         #[arg(long, value_name = "SECONDS", requires = "click")]
         after: Option<f64>,
+        #[command(flatten)]
+        force: ForceArgument,
     },
     /// Draw walls, air and two drives of 40 s at random, and write them as a scene file.
     #[command(
@@ -64,6 +69,8 @@ enum Command {
         /// The scene file.
         #[arg(short, long, value_name = "FILE")]
         output: PathBuf,
+        #[command(flatten)]
+        force: ForceArgument,
     },
     /// Print the JSON schema of scene files.
     #[command(after_help = "Example:\n  echolot scene schema > scenes/scene.schema.json")]
@@ -83,14 +90,24 @@ impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         match self.command {
-            Command::Check { file } => check(&Scene::load(&file)?, json),
+            Command::Check { file } => {
+                let scene = Scene::load(&file)?;
+                preflight::check_scene(&scene, &file.display().to_string())?;
+                check(&scene, json)
+            }
             Command::Draw {
                 file,
                 output,
                 click,
                 after,
+                force,
             } => {
+                let place = Place {
+                    inputs: vec![file.clone()],
+                    ..Place::of(&output, force.force)
+                };
                 let scene = Scene::load(&file)?;
+                place.file(png::is_ours)?;
                 match click.zip(after) {
                     Some((_, after_s)) if !(after_s > 0.0 && after_s <= 1.0) => {
                         bail!("--after: {after_s} is out of range; give more than 0 to 1 s")
@@ -104,7 +121,13 @@ impl Arguments {
                 eprintln!("wrote {}", output.display());
                 Ok(())
             }
-            Command::Random { kind, seed, output } => {
+            Command::Random {
+                kind,
+                seed,
+                output,
+                force,
+            } => {
+                Place::of(&output, force.force).file(is_random)?;
                 let kind = match kind {
                     Kind::Open => LayoutKind::Open,
                     Kind::Room => LayoutKind::Room,
@@ -117,6 +140,23 @@ impl Arguments {
             Command::Schema => print_json(&Scene::json_schema()),
         }
     }
+}
+
+/// Whether a scene file is what `scene random` writes.
+fn is_random(bytes: &[u8]) -> bool {
+    let scene: serde_json::Value = serde_json::from_slice(bytes).unwrap_or_default();
+    let drawn = || {
+        let words = scene["description"].as_str()?;
+        let (kind, seed) = words
+            .split_once("kind ")?
+            .1
+            .trim_end_matches('.')
+            .split_once(", seed ")?;
+        let kinds = [LayoutKind::Open, LayoutKind::Room];
+        let kind = kinds.into_iter().find(|known| known.name() == kind)?;
+        Some(random::layout(kind, seed.parse().ok()?))
+    };
+    drawn() == Some(scene.clone())
 }
 
 /// Prints the contents of a scene.

@@ -3,18 +3,23 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use fdtd::medium::{Air, STANDARD_PRESSURE_PA};
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
+use fdtd::simulation::Simulation;
 use fdtd::spread::Spread;
 use fdtd::walls::WallModel;
 
-use super::arguments::{EngineArguments, named};
+use super::arguments::{EngineArguments, ForceArgument, named, threads};
 use super::output::print_json;
 use crate::data::atomic;
 use crate::data::field_frame::FieldFrame;
+use crate::data::manifest::Manifest;
+use crate::data::place::Place;
 use crate::figures;
+use crate::figures::drawing::png;
+use crate::recordings::preflight;
 use crate::recordings::recording::{absorbed, note_air, recording};
 use crate::recordings::robot::Robot;
 use crate::recordings::simulate::{Checkpoint, RunOptions, Snapshots, signal};
@@ -59,8 +64,10 @@ pub(crate) struct Arguments {
     walls: Option<WallModel>,
     #[command(flatten)]
     engine: EngineArguments,
+    #[command(flatten)]
+    force: ForceArgument,
     /// Threads; 0 takes all.
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = threads)]
     threads: usize,
     /// Absorption by air (ISO 9613-1), each echo by its path length. The drive is simulated a second time with the
     /// source strength times the time of emission, from which path lengths follow. Needs a scene whose medium is
@@ -79,7 +86,7 @@ pub(crate) struct Arguments {
     /// Folder for pictures of the field, and for the animation (pressure.apng) that joins them.
     #[arg(long, value_name = "DIR", requires = "every")]
     snapshots: Option<PathBuf>,
-    /// Time between two pictures, seconds of the drive.
+    /// Time between two pictures, seconds of the drive: at most its length.
     #[arg(long, value_name = "SECONDS", requires = "snapshots")]
     every: Option<f64>,
     /// Steady error of the odometry's turn rate, rad/s.
@@ -159,17 +166,46 @@ impl Arguments {
         }
     }
 
-    /// Refuses to replace a folder that holds anything but a recording.
-    fn check_output(&self) -> Result<()> {
-        let output = self.output.display();
-        if self.output.file_name().is_none() {
-            bail!("{output}: is no name for a recording; give the name of a new folder");
+    /// Files that the command reads: scene, robot, and poses of drives.
+    fn inputs(&self) -> Vec<PathBuf> {
+        let mut inputs = vec![self.scene.clone()];
+        inputs.extend(self.robot.clone());
+        let text = std::fs::read_to_string(&self.scene).unwrap_or_default();
+        let scene: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+        let paths = scene["paths"].as_object().into_iter().flatten();
+        inputs.extend(
+            paths
+                .filter_map(|(_, path)| path["file"].as_str())
+                .map(|file| self.scene.with_file_name(file)),
+        );
+        inputs
+    }
+
+    /// Checks the places of the recording, of its checkpoints, and of the pictures.
+    fn check_output(&self, scene: &Scene, length_s: f64) -> Result<()> {
+        let signals = 1 + u64::from(self.with_direct);
+        let samples = (length_s * scene.sample_rate_hz) as u64;
+        let place = |path: PathBuf, bytes| Place {
+            inputs: self.inputs(),
+            bytes,
+            ..Place::of(path, self.force.force)
+        };
+        place(self.output.clone(), 4 * signals * samples).whole_folder()?;
+        if self.engine.engine == Engine::Fdtd {
+            // Two time levels of the field, and the signal so far.
+            let bytes = 8 * scene.grid.cells() as u64 + 4 * samples;
+            place(self.beside(".checkpoint"), bytes).file(Simulation::is_checkpoint)?;
         }
-        let occupied = self.output.exists()
-            && !self.output.join("recording.json").exists()
-            && std::fs::read_dir(&self.output).map_or(true, |mut entries| entries.next().is_some());
-        if occupied {
-            bail!("{output}: exists and is no recording; give the name of a new folder");
+        let Some((folder, every_s)) = self.pictures()? else {
+            return Ok(());
+        };
+        if every_s > length_s {
+            bail!(
+                "--every: {every_s} s is longer than the drive of {length_s} s; give the time between two pictures"
+            );
+        }
+        for name in [figures::animation::NAME, "pressure_000000000us.png"] {
+            place(folder.join(name), 0).file(png::is_ours)?;
         }
         Ok(())
     }
@@ -190,11 +226,17 @@ impl Arguments {
         scene.wall_model = self.walls.unwrap_or(scene.wall_model);
         scene.check(&self.scene.display().to_string())?;
         let spec = self.spec()?;
-        self.check_output()?;
         let pictures = self.pictures()?;
         let air = self.air(&scene)?;
         let path = scene.path(&spec.path)?;
         let robot = self.robot.as_deref().map(Robot::read).transpose()?;
+        preflight::check(
+            &scene,
+            &self.scene.display().to_string(),
+            &spec,
+            robot.as_ref(),
+        )?;
+        self.check_output(&scene, path.duration_s())?;
         let board = Board::new();
         let estimate = match spec.engine {
             Engine::Fdtd => {
@@ -268,9 +310,16 @@ impl Arguments {
         if let Some(robot) = &robot {
             robot.apply(&mut recording, path, &spec.path);
         }
-        atomic::write_folder(&self.output, |folder| match &robot {
-            Some(robot) => robot.write(&recording, &spec.path, folder),
-            None => Ok(recording.write(folder)?),
+        atomic::write_folder(&self.output, |folder| {
+            match &robot {
+                Some(robot) => robot.write(&recording, &spec.path, folder)?,
+                None => recording.write(folder)?,
+            }
+            Manifest::of(folder)?.write(folder)
+        })
+        .with_context(|| match leftovers.iter().any(|path| path.exists()) {
+            true => "the simulation is kept: the same command with --resume writes it",
+            false => "nothing is kept",
         })?;
         for path in leftovers.iter().filter(|path| path.exists()) {
             std::fs::remove_file(path)?;

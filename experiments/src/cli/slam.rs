@@ -6,14 +6,18 @@ use anyhow::{Result, bail};
 use fdtd::scene::Scene;
 use localizer::filter::motion_model::dead_reckon;
 use localizer::landmarks::{self, Noise, Status};
+use localizer::quality::{self, CodeMeter};
 use localizer::{Parameters, Recording, Trajectory, echo, slam};
 
-use super::arguments::ParameterArguments;
-use super::landmarks::{Scores, csv, share};
+use super::arguments::{ForceArgument, ParameterArguments, files_of_recording};
+use super::landmarks::{csv, is_table, scored, share};
 use super::output::{print, print_json};
-use crate::data::atomic;
+use super::trust::{self, Warnings};
 use crate::data::layout::Layout;
+use crate::data::place::Place;
+use crate::data::{atomic, estimate, manifest};
 use crate::figures;
+use crate::figures::drawing::png;
 use crate::figures::landmarks::{ESTIMATE, NamedPath, TRUTH, WHEELS};
 use crate::metrics::rounded;
 use crate::run::progress::Board;
@@ -47,11 +51,43 @@ pub(crate) struct Arguments {
     periods: Option<usize>,
     #[command(flatten)]
     parameters: ParameterArguments,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 impl Arguments {
+    /// Checks the places of trajectory, table and map.
+    fn check_output(&self) -> Result<()> {
+        let mut inputs = files_of_recording(&self.recording);
+        inputs.extend(self.parameters.parameters.clone());
+        let place = |path: PathBuf| Place {
+            inputs: inputs.clone(),
+            ..Place::of(path, self.force.force)
+        };
+        let table = self.output.with_extension("csv");
+        if table == self.output {
+            bail!(
+                "{}: is the name of the table beside the trajectory; give one that ends in .tum",
+                table.display()
+            );
+        }
+        place(self.output.clone()).file(estimate::is_ours)?;
+        place(table.clone()).file(is_table)?;
+        if let Some(picture) = &self.figure {
+            let mut picture = place(picture.clone());
+            picture.inputs.extend(self.scene.clone());
+            picture.inputs.extend([self.output.clone(), table]);
+            picture.file(png::is_ours)?;
+        }
+        match &self.map_out {
+            Some(folder) => place(folder.clone()).files_in_folder(super::map::LANDMARK_FILES),
+            None => Ok(()),
+        }
+    }
+
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
+        self.check_output()?;
         let recording = Recording::read(&self.recording)?;
         let layout = match &self.scene {
             Some(file) => Some(Layout::of(&Scene::load(file)?)),
@@ -64,10 +100,14 @@ impl Arguments {
         };
         parameters.measurement.periods = self.periods.unwrap_or(usual);
         let parameters = parameters.for_recording(&recording.meta);
+        quality::check_signal(&recording.signal, &self.recording.display().to_string())?;
         let board = Board::new();
         let measuring = board.task("echoes", 1);
         let echoes = echo::measure(&recording, &parameters)?;
         measuring.finish();
+        let mut warnings = Warnings::default();
+        let code = CodeMeter::of(&echoes);
+        trust::check_echoes(&recording.meta, &code, &self.recording, &mut warnings)?;
         let task = board.task("slam", echoes.blocks.len() as u64);
         let mut estimator = slam::Slam::new(&parameters, recording.start_pose(), Noise::default());
         for (index, block) in echoes.blocks.iter().enumerate() {
@@ -87,17 +127,17 @@ impl Arguments {
             t_s: drive.estimates.iter().map(|e| e.t_s).collect(),
             poses: drive.estimates.iter().map(|e| e.pose).collect(),
         };
-        trajectory.write_tum(&self.output)?;
+        estimate::write(&self.output, &trajectory)?;
         let table = self.output.with_extension("csv");
         atomic::write(&table, csv(&drive.estimates).as_bytes())?;
         if let Some(folder) = &self.map_out {
-            map.write(folder)?;
+            manifest::put_into(folder, |new| Ok(map.write(new)?))?;
         }
         let lost = share(&drive.estimates, Status::Lost);
         let walls = (map.landmarks.iter())
             .filter(|landmark| landmark.ends_m().is_some())
             .count();
-        let scores = (recording.truth.as_ref()).map(|truth| Scores::new(&drive.estimates, truth));
+        let (scores, latest, coverage) = scored(&recording, &drive.estimates);
         if let Some(picture) = &self.figure {
             let title = match &scores {
                 Some(scores) => format!("Mean error {:.4} m, without map and truth", scores.mae_m),
@@ -105,6 +145,17 @@ impl Arguments {
             };
             let paths = paths(&recording, &parameters, &trajectory);
             figures::landmarks::draw(map, layout.as_ref(), &paths, &title, picture)?;
+        }
+        if recording.truth.is_some() && coverage < 1.0 {
+            warnings.add(format!(
+                "truth.tum covers {:.0} % of the drive; only that is scored",
+                100.0 * coverage
+            ));
+        }
+        if lost > 0.0 {
+            warnings.add(
+                "from some block on the echoes do not fit the wheels; those poses are the wheels'",
+            );
         }
         if json {
             let [turn_rate, speed] = drive.wheel_errors;
@@ -117,12 +168,15 @@ impl Arguments {
                 "landmarks": map.landmarks.len(),
                 "walls": walls,
                 "explained": rounded(map.explained),
-                "mae_m": scores.as_ref().map(|scores| rounded(scores.mae_m)),
-                "p90_m": scores.as_ref().map(|scores| rounded(scores.p90_m)),
-                "max_m": scores.as_ref().map(|scores| rounded(scores.max_m)),
-                "final_m": scores.as_ref().map(|scores| rounded(scores.final_m)),
-                "latest_mae_m": scores.as_ref().map(|scores| rounded(scores.latest_mae_m)),
-                "heading_mae_rad": scores.as_ref().map(|scores| rounded(scores.heading_mae_rad)),
+                "mae_m": scores.as_ref().map(|scores| scores.mae_m),
+                "rmse_m": scores.as_ref().map(|scores| scores.rmse_m),
+                "p90_m": scores.as_ref().map(|scores| scores.p90_m),
+                "max_m": scores.as_ref().map(|scores| scores.max_m),
+                "final_m": scores.as_ref().map(|scores| scores.final_m),
+                "latest_mae_m": latest.map(|scores| scores.mae_m),
+                "heading_mae_rad": scores.as_ref().map(|scores| scores.heading_mae_rad),
+                "coverage": coverage,
+                "warnings": warnings.tell(),
                 "status": {"sure": rounded(share(&drive.estimates, Status::Sure)), "lost": rounded(lost)},
                 "turn_rate_error_radps": rounded(turn_rate),
                 "speed_error": rounded(speed),
@@ -145,16 +199,14 @@ impl Arguments {
         ))?;
         match scores {
             Some(scores) => print(&format!(
-                "mean absolute position error {:.4} m\n",
-                scores.mae_m
+                "mean absolute position error {:.4} m over {:.0} % of the drive\n",
+                scores.mae_m,
+                100.0 * coverage
             ))?,
-            None => eprintln!("no truth.tum: no error to tell"),
+            None if recording.truth.is_none() => eprintln!("no truth.tum: no error to tell"),
+            None => {}
         }
-        if lost > 0.0 {
-            eprintln!(
-                "warning: from some block on the echoes do not fit the wheels; those poses are the wheels'"
-            );
-        }
+        warnings.tell();
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use localizer::Parameters;
 use localizer::align::Resampler;
 use localizer::io::description::TransmitDescription;
@@ -10,7 +10,10 @@ use localizer::io::wav;
 use localizer::parameters::SignalParameters;
 use localizer::signal::waveform;
 
+use super::arguments::ForceArgument;
 use super::output::print_json;
+use crate::data::manifest;
+use crate::data::place::Place;
 
 /// Samples of a file at most: 24 bits of them are 1.5 GB.
 const MOST_SAMPLES: f64 = 5e8;
@@ -53,6 +56,8 @@ pub(crate) struct Arguments {
     /// Bits of a sample: 16 or 24.
     #[arg(long, value_name = "N", default_value_t = 24)]
     bits: u16,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 impl Arguments {
@@ -111,9 +116,21 @@ impl Arguments {
         Ok(())
     }
 
+    /// Checks the places of the WAV and of its description. A WAV has no mark: it is known by its description, which
+    /// gives its digest.
+    fn check_output(&self) -> Result<()> {
+        let beside = self.output.with_extension("json");
+        let known = TransmitDescription::read(&beside).ok();
+        let digest = known.as_ref().and_then(|known| known.digest.clone());
+        Place::of(&self.output, self.force.force)
+            .file(|bytes| digest.as_deref() == Some(&manifest::digest(bytes)))?;
+        Place::of(&beside, self.force.force).file(|_| known.is_some())
+    }
+
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         self.check()?;
+        self.check_output()?;
         let period_s = self.code as f64 / self.chips;
         let rate_hz = f64::from(self.rate);
         let least = (self.seconds / period_s - 1e-9).ceil().max(1.0) as usize;
@@ -141,6 +158,8 @@ impl Arguments {
             .fold(f32::MIN_POSITIVE, |peak, sample| peak.max(sample.abs()));
         let scale = 10_f64.powf(0.05 * self.level) as f32 / peak;
         wav::write_scaled(&self.output, &[samples], self.rate, self.bits, scale)?;
+        let written =
+            std::fs::read(&self.output).with_context(|| self.output.display().to_string())?;
         let description = TransmitDescription {
             code_length: self.code,
             chip_rate_hz: self.chips,
@@ -149,6 +168,7 @@ impl Arguments {
             periods,
             period_s,
             level_db: self.level,
+            digest: Some(manifest::digest(&written)),
         };
         let beside = self.output.with_extension("json");
         description.write(&beside)?;

@@ -1,22 +1,15 @@
 //! Files and folders that appear whole or not at all: written under a temporary name and renamed.
 
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::path::Path;
 
 use anyhow::{Context, Result};
-
-/// A sibling of `path` that no other writer uses at the same time.
-fn temporary_beside(path: &Path) -> PathBuf {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    let name = path
-        .file_name()
-        .map_or_else(|| "output".into(), |name| name.to_string_lossy());
-    let serial = COUNTER.fetch_add(1, Ordering::Relaxed);
-    path.with_file_name(format!(".tmp-{}-{serial}-{name}", std::process::id()))
-}
+use localizer::io::temporary;
 
 /// Creates the folder of `path`.
-fn make_parent(path: &Path) -> Result<()> {
+///
+/// # Errors
+/// When that fails.
+pub fn make_parent(path: &Path) -> Result<()> {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => {
             std::fs::create_dir_all(parent).with_context(|| parent.display().to_string())
@@ -28,7 +21,7 @@ fn make_parent(path: &Path) -> Result<()> {
 /// Writes `bytes` to `path`; creates its folder.
 ///
 /// # Errors
-/// When the folder cannot be created or the file cannot be written.
+/// When the folder cannot be created, the file cannot be written, or `path` is no regular file.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     write_with(path, |temporary| Ok(std::fs::write(temporary, bytes)?))
 }
@@ -36,12 +29,13 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 /// Lets `fill` write a file under a temporary name and renames it to `path`.
 ///
 /// # Errors
-/// Whatever `fill` returns (the temporary file is removed then), or a failed rename.
+/// Whatever `fill` returns (the temporary file is removed then), a failed rename, or a `path` that is no regular file.
 pub fn write_with(path: &Path, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
     make_parent(path)?;
-    let temporary = temporary_beside(path);
+    temporary::check_file(path).with_context(|| path.display().to_string())?;
+    let temporary = temporary::name_beside(path);
     fill(&temporary)
-        .and_then(|()| Ok(std::fs::rename(&temporary, path)?))
+        .and_then(|()| Ok(temporary::put_file(&temporary, path)?))
         .inspect_err(|_| _ = std::fs::remove_file(&temporary))
         .with_context(|| path.display().to_string())
 }
@@ -49,25 +43,14 @@ pub fn write_with(path: &Path, fill: impl FnOnce(&Path) -> Result<()>) -> Result
 /// Lets `fill` write a folder under a temporary name and renames it to `path`, replacing a folder that is there.
 ///
 /// # Errors
-/// Whatever `fill` returns (the temporary folder is removed then), or a failed rename.
+/// Whatever `fill` returns (the temporary folder is removed then), a failed rename, or a `path` that is no folder.
 pub fn write_folder(path: &Path, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
     make_parent(path)?;
-    let temporary = temporary_beside(path);
-    let replace = || -> Result<()> {
-        if path.exists() {
-            let old = temporary_beside(path);
-            std::fs::rename(path, &old)?;
-            std::fs::rename(&temporary, path)?;
-            std::fs::remove_dir_all(&old)?;
-        } else {
-            std::fs::rename(&temporary, path)?;
-        }
-        Ok(())
-    };
+    let temporary = temporary::name_beside(path);
     std::fs::create_dir_all(&temporary)
         .map_err(anyhow::Error::from)
         .and_then(|()| fill(&temporary))
-        .and_then(|()| replace())
+        .and_then(|()| Ok(temporary::put_folder(&temporary, path)?))
         .inspect_err(|_| _ = std::fs::remove_dir_all(&temporary))
         .with_context(|| path.display().to_string())
 }
@@ -104,6 +87,31 @@ mod tests {
             assert_eq!(std::fs::read_dir(&path).unwrap().count(), 1);
             assert!(path.join(text).exists());
         }
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn writers_at_once_leave_one_whole_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("entry");
+        std::thread::scope(|scope| {
+            for writer in 0..4 {
+                let path = &path;
+                scope.spawn(move || {
+                    for _ in 0..50 {
+                        write_folder(path, |at| {
+                            for name in ["a", "b"] {
+                                std::fs::write(at.join(name), format!("{writer}"))?;
+                            }
+                            Ok(())
+                        })
+                        .unwrap();
+                    }
+                });
+            }
+        });
+        let text = |name: &str| std::fs::read_to_string(path.join(name)).unwrap();
+        assert_eq!(text("a"), text("b"));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

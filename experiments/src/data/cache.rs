@@ -7,10 +7,15 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 
-use super::atomic;
+use super::{atomic, manifest};
+use localizer::io::temporary;
 
 /// Version of the files in the cache.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
+/// How an entry begins; its digest follows, then its value.
+const BEGIN: &str = "{\"digest\":\"";
+/// Between digest and value.
+const MIDDLE: &str = "\",\"value\":";
 
 /// A key that is built up from named values.
 pub struct Key {
@@ -85,11 +90,27 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// The cache in `folder`, which is created with its first entry.
+    /// The cache in `folder`, which is created with its first entry. What killed programs have left there is removed.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
-        Self {
-            folder: folder.into(),
+        let folder = folder.into();
+        for below in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+            temporary::sweep(&below.path());
         }
+        Self { folder }
+    }
+
+    /// Whether the recording with this key is there as it was written. A damaged one is told of on standard error.
+    pub fn has_recording(&self, key: &str) -> bool {
+        let folder = self.recording(key);
+        if !folder.is_dir() {
+            return false;
+        }
+        let is_whole =
+            manifest::Manifest::read(&folder).is_some_and(|known| known.is_whole(&folder));
+        if !is_whole {
+            eprintln!("{}: is damaged and made anew", folder.display());
+        }
+        is_whole
     }
 
     /// Folder of the recording with this key.
@@ -108,10 +129,18 @@ impl Cache {
         self.folder.join(kind).join(format!("{key}.json"))
     }
 
-    /// A cached value; `None` when it is missing or damaged.
+    /// A cached value; `None` when it is missing or damaged. A damaged one is told of on standard error.
     pub fn get<T: DeserializeOwned>(&self, kind: &str, key: &str) -> Option<T> {
-        let text = std::fs::read_to_string(self.entry(kind, key)).ok()?;
-        serde_json::from_str(&text).ok()
+        let path = self.entry(kind, key);
+        let value = match std::fs::read(&path) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
+            Err(_) => None,
+            Ok(bytes) => unsealed(&bytes),
+        };
+        if value.is_none() {
+            eprintln!("{}: is damaged and made anew", path.display());
+        }
+        value
     }
 
     /// Puts a value into the cache.
@@ -120,9 +149,28 @@ impl Cache {
     /// When the file cannot be written.
     pub fn put(&self, kind: &str, key: &str, value: &impl Serialize) -> Result<()> {
         let path: &Path = &self.entry(kind, key);
-        let text = serde_json::to_string(value).with_context(|| path.display().to_string())?;
+        let text = sealed(value).with_context(|| path.display().to_string())?;
         atomic::write(path, text.as_bytes())
     }
+}
+
+/// A value as JSON with the digest of its text, by which [`unsealed`] finds every damage.
+///
+/// # Errors
+/// When the value does not serialize.
+pub fn sealed(value: &impl Serialize) -> Result<String> {
+    let text = serde_json::to_string(value)?;
+    let digest = manifest::digest(text.as_bytes());
+    Ok(format!("{BEGIN}{digest}{MIDDLE}{text}}}"))
+}
+
+/// The value in a text of [`sealed`]; `None` when a byte of it is another.
+pub fn unsealed<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    let text = std::str::from_utf8(bytes).ok()?;
+    let (digest, rest) = text.strip_prefix(BEGIN)?.split_once(MIDDLE)?;
+    let value = rest.strip_suffix('}')?;
+    let is_whole = manifest::digest(value.as_bytes()) == digest;
+    is_whole.then(|| serde_json::from_str(value).ok())?
 }
 
 #[cfg(test)]
@@ -155,7 +203,18 @@ mod tests {
         assert_eq!(cache.get::<Vec<f64>>("trials", "k"), None);
         cache.put("trials", "k", &[1.0, 2.5]).unwrap();
         assert_eq!(cache.get::<Vec<f64>>("trials", "k"), Some(vec![1.0, 2.5]));
-        std::fs::write(folder.path().join("trials/k.json"), "[1.0,").unwrap();
-        assert_eq!(cache.get::<Vec<f64>>("trials", "k"), None);
+        let file = folder.path().join("trials/k.json");
+        let whole = std::fs::read(&file).unwrap();
+        // Every bit counts, and so does every byte that is missing.
+        for bit in 0..8 * whole.len() {
+            let mut flipped = whole.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            std::fs::write(&file, &flipped).unwrap();
+            assert_eq!(cache.get::<Vec<f64>>("trials", "k"), None, "bit {bit}");
+        }
+        for length in 0..whole.len() {
+            std::fs::write(&file, &whole[..length]).unwrap();
+            assert_eq!(cache.get::<Vec<f64>>("trials", "k"), None, "{length} bytes");
+        }
     }
 }

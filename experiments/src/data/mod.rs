@@ -2,7 +2,11 @@
 
 pub mod atomic;
 pub mod cache;
+pub mod estimate;
 pub mod field_frame;
+pub mod json;
 pub mod layout;
+pub mod manifest;
 pub mod peaks;
+pub mod place;
 pub mod table;

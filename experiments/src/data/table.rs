@@ -139,6 +139,14 @@ impl Table {
     pub fn read(path: &Path) -> Result<Self> {
         let origin = path.display().to_string();
         let text = std::fs::read_to_string(path).with_context(|| origin.clone())?;
+        Self::parse(&text, &origin)
+    }
+
+    /// Reads the text of a CSV file with a header line; errors name `origin`.
+    ///
+    /// # Errors
+    /// As [`Table::read`].
+    pub fn parse(text: &str, origin: &str) -> Result<Self> {
         let mut lines = text.lines();
         let header: Vec<String> = match lines.next() {
             Some(line) => line
@@ -166,7 +174,7 @@ impl Table {
         Ok(Self {
             header,
             rows,
-            origin,
+            origin: origin.to_string(),
         })
     }
 }

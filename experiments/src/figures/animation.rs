@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 
 use crate::data::atomic;
+use crate::figures::drawing::png::SOFTWARE;
 
 /// Name of the animation in the folder of the pictures.
 pub const NAME: &str = "pressure.apng";
@@ -40,6 +41,7 @@ pub fn animate(folder: &Path) -> Result<Option<PathBuf>> {
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_compression(png::Compression::High);
+        encoder.add_text_chunk("Software".into(), SOFTWARE.into())?;
         encoder.set_animated(u32::try_from(pictures.len())?, 0)?;
         encoder.set_frame_delay(DELAY.0, DELAY.1)?;
         let mut writer = encoder.write_header()?;

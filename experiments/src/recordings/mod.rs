@@ -6,6 +6,7 @@ pub mod impulse_snapshot;
 pub mod key;
 pub mod multipath_room;
 pub mod noise;
+pub mod preflight;
 pub mod recording;
 pub mod robot;
 pub mod simulate;

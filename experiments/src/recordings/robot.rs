@@ -25,6 +25,12 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use super::sound_card::SoundCard;
+use crate::data::json;
+
+/// Fastest log in hertz.
+const MOST_HZ: f64 = 2000.0;
+/// Largest reading of a clock in seconds.
+const LATEST_S: f64 = 1e10;
 
 /// A Gauss-Markov process.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -88,36 +94,65 @@ impl Robot {
     /// # Errors
     /// When the file cannot be read, has other fields, or a value cannot be used.
     pub fn read(path: &Path) -> Result<Self> {
-        let origin = || path.display().to_string();
-        let text = std::fs::read_to_string(path).with_context(origin)?;
-        let robot: Self = serde_json::from_str(&text).with_context(origin)?;
-        robot.check().with_context(origin)?;
+        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads the text of a robot file; errors name `origin`.
+    ///
+    /// # Errors
+    /// As [`Robot::read`].
+    pub fn parse(text: &str, origin: &Path) -> Result<Self> {
+        let robot: Self = json::parse(text, origin)?;
+        robot
+            .check()
+            .with_context(|| origin.display().to_string())?;
         Ok(robot)
     }
 
-    /// Refuses values that cannot be used.
+    /// Refuses values that cannot be used: those of no instrument, and logs that would not fit into memory.
     fn check(&self) -> Result<()> {
-        for (field, value) in [
-            ("odometry_rate_hz", self.odometry_rate_hz),
-            ("tracking_rate_hz", self.tracking_rate_hz),
-            ("speed_noise.correlation_s", self.speed_noise.correlation_s),
-            ("turn_noise.correlation_s", self.turn_noise.correlation_s),
+        for (field, value, low, high) in [
+            // Longer pauses than a second are refused in a recording.
+            ("odometry_rate_hz", self.odometry_rate_hz, 1.0, MOST_HZ),
+            ("tracking_rate_hz", self.tracking_rate_hz, 0.01, MOST_HZ),
+            (
+                "odometry_clock_s",
+                self.odometry_clock_s,
+                -LATEST_S,
+                LATEST_S,
+            ),
+            (
+                "tracking_clock_s",
+                self.tracking_clock_s,
+                -LATEST_S,
+                LATEST_S,
+            ),
+            ("speed_share", self.speed_share, -1.0, 1.0),
+            ("speed_noise.sigma", self.speed_noise.sigma, 0.0, 1.0),
+            (
+                "speed_noise.correlation_s",
+                self.speed_noise.correlation_s,
+                1e-6,
+                1e6,
+            ),
+            ("drift_radpm", self.drift_radpm, -10.0, 10.0),
+            ("turn_noise.sigma", self.turn_noise.sigma, 0.0, 10.0),
+            (
+                "turn_noise.correlation_s",
+                self.turn_noise.correlation_s,
+                1e-6,
+                1e6,
+            ),
+            (
+                "microphone_noise_db",
+                self.microphone_noise_db,
+                -400.0,
+                100.0,
+            ),
         ] {
-            if !(value.is_finite() && value > 0.0) {
-                bail!("{field}: {value} cannot be used; give a positive number");
-            }
-        }
-        for (field, value) in [
-            ("odometry_clock_s", self.odometry_clock_s),
-            ("tracking_clock_s", self.tracking_clock_s),
-            ("speed_share", self.speed_share),
-            ("speed_noise.sigma", self.speed_noise.sigma),
-            ("drift_radpm", self.drift_radpm),
-            ("turn_noise.sigma", self.turn_noise.sigma),
-            ("microphone_noise_db", self.microphone_noise_db),
-        ] {
-            if !value.is_finite() {
-                bail!("{field}: {value} is not finite; give a number");
+            if !(low..=high).contains(&value) {
+                bail!("{field}: {value} cannot be used; give {low} to {high}");
             }
         }
         self.sound_card.as_ref().map_or(Ok(()), SoundCard::check)

@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use fdtd::scene::Scene;
 use fdtd::simulation::{Flow, Outcome, Simulation, SimulationOptions};
 use oracles::image_source::{self, DrivingPair, ImageSourceOptions};
 
 use super::spec::{Engine, RecordingSpec};
 use super::waveform::source_waveform;
+use crate::data::atomic;
 use crate::data::field_frame::FieldFrame;
 use crate::run::interrupt::{self, Interrupted};
 use crate::run::progress::Task;
@@ -156,7 +157,7 @@ fn field_signal(
                 && saved.elapsed() > CHECKPOINT_PERIOD
             {
                 saved = Instant::now();
-                save(simulation, &checkpoint.path)?;
+                keep(simulation, checkpoint, task);
             }
             if let Some(snapshots) = snapshots
                 && simulation.is_look()
@@ -179,23 +180,39 @@ fn field_signal(
         }
     })?;
     if let Some(error) = trouble {
+        if let Some(checkpoint) = checkpoint {
+            keep(&simulation, checkpoint, task);
+        }
         return Err(error);
     }
-    match outcome {
-        Outcome::Finished => Ok(simulation.signal()),
-        Outcome::Stopped => {
+    match (outcome, checkpoint) {
+        (Outcome::Finished, checkpoint) => {
+            // The recording is still to be written: where that fails, nothing has to be simulated again.
             if let Some(checkpoint) = checkpoint {
-                save(&simulation, &checkpoint.path)?;
+                keep(&simulation, checkpoint, task);
             }
+            Ok(simulation.signal())
+        }
+        (Outcome::Stopped, Some(checkpoint)) => {
+            save(&simulation, &checkpoint.path)?;
             Err(Interrupted.into())
         }
+        (Outcome::Stopped, None) => Err(Interrupted.into()),
+    }
+}
+
+/// Saves a checkpoint. Where that fails the simulation goes on: it has lost nothing yet.
+fn keep(simulation: &Simulation, checkpoint: &Checkpoint, task: &Task) {
+    if let Err(error) = save(simulation, &checkpoint.path) {
+        task.say(format!("warning: no checkpoint: {error:#}"));
     }
 }
 
 /// Saves a checkpoint; creates its folder.
 fn save(simulation: &Simulation, path: &Path) -> Result<()> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    }
-    Ok(simulation.save_checkpoint(path)?)
+    atomic::write_with(path, |temporary| {
+        let mut file = std::io::BufWriter::new(std::fs::File::create(temporary)?);
+        simulation.write_checkpoint(&mut file)?;
+        Ok(file.into_inner()?.sync_all()?)
+    })
 }

@@ -1,6 +1,6 @@
 //! The waveform of a scene and the localizer's parameters that go with it.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use fdtd::scene::Scene;
 use fdtd::waveform::PeriodicWaveform;
 use localizer::Parameters;
@@ -34,7 +34,9 @@ pub fn parameters_of(scene: &Scene, base: &Parameters) -> Parameters {
 /// When the localizer refuses the scene's signal: nobody could use the recording.
 pub fn source_waveform(scene: &Scene) -> Result<PeriodicWaveform> {
     let parameters = parameters_of(scene, &Parameters::default());
-    parameters.check().context("waveform of the scene")?;
+    parameters
+        .signal
+        .check(&format!("scene '{}'", scene.name), false)?;
     Ok(scene.source_waveform()?)
 }
 

@@ -18,6 +18,7 @@ pub struct Board {
 
 /// Progress of one task.
 pub struct Task {
+    bars: MultiProgress,
     bar: ProgressBar,
     label: String,
     length: AtomicU64,
@@ -59,6 +60,7 @@ impl Board {
         };
         let now = Instant::now();
         Task {
+            bars: self.bars.clone(),
             bar,
             label,
             length: AtomicU64::new(length),
@@ -71,11 +73,15 @@ impl Board {
 
     /// Prints a line on standard error above the bars.
     pub fn say(&self, line: impl AsRef<str>) {
-        if self.terminal {
-            self.bars.suspend(|| eprintln!("{}", line.as_ref()));
-        } else {
-            eprintln!("{}", line.as_ref());
-        }
+        say(&self.bars, self.terminal, line.as_ref());
+    }
+}
+
+fn say(bars: &MultiProgress, terminal: bool, line: &str) {
+    if terminal {
+        bars.suspend(|| eprintln!("{line}"));
+    } else {
+        eprintln!("{line}");
     }
 }
 
@@ -116,6 +122,11 @@ impl Task {
                 duration(left)
             );
         }
+    }
+
+    /// Prints a line on standard error above the bars.
+    pub fn say(&self, line: impl AsRef<str>) {
+        say(&self.bars, self.terminal, line.as_ref());
     }
 
     /// Removes the bar.

@@ -6,15 +6,17 @@ mod estimate;
 mod job;
 
 use std::collections::VecDeque;
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow};
 
 use self::concurrency::Concurrency;
 use crate::data::atomic;
 use crate::data::cache::Cache;
+use crate::data::manifest::Manifest;
 use crate::recordings::recording::recording;
 use crate::recordings::simulate::{Checkpoint, RunOptions, signal};
 use crate::recordings::spec::Engine;
@@ -137,17 +139,38 @@ fn simulate(job: &Job, cache: &Cache, options: RunOptions<'_>, board: &Board) ->
         checkpoint: Some(&checkpoint),
         ..options
     };
-    let signal = signal(scene, &job.spec, &options, &task)?;
+    let signal = match signal(scene, &job.spec, &options, &task) {
+        Err(error) if is_of_checkpoint(&error) => {
+            board.say(format!("{error:#}; {} starts anew", job.label));
+            remove(&checkpoint.path)?;
+            signal(scene, &job.spec, &options, &task)?
+        }
+        signal => signal?,
+    };
     let seconds = started.elapsed().as_secs_f64();
     let recording = recording(scene, &job.spec, signal, seconds)?;
     atomic::write_folder(&cache.recording(&job.key), |folder| {
-        Ok(recording.write(folder)?)
+        recording.write(folder)?;
+        Manifest::of(folder)?.write(folder)
     })?;
-    if checkpoint.path.exists() {
-        std::fs::remove_file(&checkpoint.path)
-            .with_context(|| checkpoint.path.display().to_string())?;
-    }
+    remove(&checkpoint.path)?;
     task.finish();
     board.say(format!("simulated {} in {}", job.label, duration(seconds)));
     Ok(())
+}
+
+/// Whether a simulation could not go on from its checkpoint.
+fn is_of_checkpoint(error: &anyhow::Error) -> bool {
+    let of_field = error.downcast_ref::<fdtd::Error>();
+    matches!(of_field, Some(fdtd::Error::Checkpoint { .. }))
+}
+
+/// Removes a file that another process may have removed already.
+fn remove(path: &Path) -> Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(anyhow::Error::from(error).context(path.display().to_string()))
+        }
+        _ => Ok(()),
+    }
 }

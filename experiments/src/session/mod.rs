@@ -10,6 +10,7 @@ use std::sync::Arc;
 use anyhow::Result;
 use fdtd::scene::Scene;
 use localizer::Parameters;
+use localizer::io::temporary;
 
 use crate::data::cache::Cache;
 use crate::recordings::robot::Robot;
@@ -78,6 +79,9 @@ impl Session {
         parameters.filter.window_half_width_m = plan.half_width_m;
         parameters.check()?;
         let cache = Cache::new(&request.cache);
+        for folder in [&results, &results.join("data"), &results.join("figures")] {
+            temporary::sweep(folder);
+        }
         let recordings = Arc::new(Recordings::new(
             Arc::clone(&scene),
             robot,

@@ -141,7 +141,7 @@ impl Recordings {
         let mut jobs: BTreeMap<String, Job> = BTreeMap::new();
         for spec in specs {
             let key = self.key(spec)?;
-            if !self.cache.recording(&key).is_dir() {
+            if !self.cache.has_recording(&key) {
                 let job = Job {
                     label: self.label(spec),
                     key: key.clone(),

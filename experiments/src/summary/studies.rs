@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde::{Deserialize, Serialize};
 
 use super::multipath::Multipath;
-use crate::data::atomic;
+use crate::data::{atomic, json};
 use crate::metrics::Accuracy;
 use crate::run::preset::Preset;
 use crate::run::provenance::Provenance;
@@ -246,8 +246,7 @@ impl Summary {
     /// # Errors
     /// When the file cannot be read or is no summary.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        serde_json::from_str(&text).with_context(|| format!("{}: is no summary", path.display()))
+        json::read(path)
     }
 
     /// Writes the summary, indented.

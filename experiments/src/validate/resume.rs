@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use oracles::laws::{Depth, Measurement};
 
 use crate::data::atomic;
-use crate::data::cache::Key;
+use crate::data::cache::{Key, sealed, unsealed};
 
 /// A folder of measurements of this program at one depth. It is removed when all laws are measured: the next validation
 /// measures anew.
@@ -41,7 +41,7 @@ impl Resume {
 
     /// Measurements of a law; `None` when there are none or the file is damaged.
     pub fn read(&self, law: &str) -> Option<Vec<Measurement>> {
-        serde_json::from_slice(&std::fs::read(self.file(law)).ok()?).ok()
+        unsealed(&std::fs::read(self.file(law)).ok()?)
     }
 
     /// Writes the measurements of a law.
@@ -49,7 +49,7 @@ impl Resume {
     /// # Errors
     /// When the file cannot be written.
     pub fn write(&self, law: &str, measurements: &[Measurement]) -> Result<()> {
-        atomic::write(&self.file(law), &serde_json::to_vec(measurements)?)
+        atomic::write(&self.file(law), sealed(&measurements)?.as_bytes())
     }
 
     /// Removes all measurements, of other programs too.

@@ -16,6 +16,7 @@ fn every_command_has_help_with_an_example() {
         "list",
         "bench",
         "validate",
+        "robustness",
         "reference",
     ] {
         let help = expect(folder.path(), &[command, "--help"]);

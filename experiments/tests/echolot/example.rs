@@ -45,6 +45,8 @@ fn a_laboratorys_recordings_make_a_map_and_a_path() {
     assert!(landmarks < 0.01, "{landmarks} m");
     // Estimates are on the truth's clock, and a table lies beside them.
     let text = std::fs::read_to_string(at.join("doppler.tum")).unwrap();
+    let (mark, text) = text.split_once('\n').unwrap();
+    assert!(mark.starts_with("# echolot estimate "), "{mark}");
     assert!(text.starts_with("17162496"), "{text:.40}");
     let table = std::fs::read_to_string(at.join("doppler.csv")).unwrap();
     assert_eq!(table.lines().count(), text.lines().count() + 1);

@@ -110,6 +110,8 @@ fn a_sound_cards_recording_is_as_good_as_a_clean_one() {
     let offline = ["localize", "card/localization", "-o", "offline.tum"];
     expect(at, &[&offline[..], &common].concat());
     let offline = std::fs::read_to_string(at.join("offline.tum")).unwrap();
+    // Its first line is the file's mark.
+    let (_, offline) = offline.split_once('\n').unwrap();
     let sound = std::fs::read(at.join("card/localization/signal.wav")).unwrap();
     let wheels = ["--odometry", "card/localization/odometry.csv"];
     let tum = ["--output", "tum"];
@@ -252,6 +254,16 @@ fn the_sound_to_play_is_whole_periods_of_the_code() {
         lines.contains("code") && lines.contains("+0.0"),
         "{lines} {told}"
     );
+    // It replaces its own, and nothing else.
+    let again = ["transmit", "-o", "tx.wav", "--seconds", "1"];
+    expect(at, &again);
+    let mut wav = std::fs::read(at.join("tx.wav")).unwrap();
+    *wav.last_mut().unwrap() ^= 1;
+    std::fs::write(at.join("tx.wav"), wav).unwrap();
+    assert!(refuse(at, &again).contains("--force"));
+    expect(at, &[&again[..], &["--force"]].concat());
+    std::fs::write(at.join("tx.json"), "{\"mine\": 1}").unwrap();
+    assert!(refuse(at, &again).contains("--force"));
     for (arguments, word) in [
         (["--code", "1000"], "--code"),
         (["--carrier", "23000"], "--carrier"),

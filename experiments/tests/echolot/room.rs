@@ -75,3 +75,17 @@ pub(crate) fn refuse(folder: &Path, arguments: &[&str]) -> String {
     assert_eq!(complaint.trim_end().lines().count(), 1, "{complaint}");
     complaint
 }
+
+/// Adds a line to the list of what was tried, where one is kept: see `echolot robustness`.
+pub(crate) fn note(kind: &str, what: &str, count: usize, result: &str) {
+    let Some(list) = std::env::var_os("ECHOLOT_TRIED") else {
+        return;
+    };
+    let line = serde_json::json!({"kind": kind, "what": what, "count": count, "result": result});
+    let mut file = std::fs::OpenOptions::new()
+        .append(true)
+        .create(true)
+        .open(list)
+        .unwrap();
+    std::io::Write::write_all(&mut file, format!("{line}\n").as_bytes()).unwrap();
+}

@@ -79,6 +79,16 @@ impl DrivePath {
             .map_err(|error| relocate(error, file.display(), ""))
     }
 
+    /// A drive from the text of such a file: CSV with a header, or a TUM trajectory; errors name `origin`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the line.
+    pub fn from_text(text: &str, is_csv: bool, origin: &str) -> Result<Self, Error> {
+        samples::parse(text, is_csv)
+            .and_then(|samples| Self::from_samples(&samples))
+            .map_err(|error| relocate(error, origin, ""))
+    }
+
     /// Length of the drive in seconds.
     pub fn duration_s(&self) -> f64 {
         match &self.course {

@@ -211,7 +211,7 @@ pub(super) fn read(file: &Path) -> Result<Vec<PoseSample>, Error> {
     parse(&text, is_csv).map_err(|error| relocate(error, file.display(), ""))
 }
 
-fn parse(text: &str, is_csv: bool) -> Result<Vec<PoseSample>, Error> {
+pub(super) fn parse(text: &str, is_csv: bool) -> Result<Vec<PoseSample>, Error> {
     const HEADER: &str = "t_s,x_m,y_m,heading_rad";
     let (form, columns) = if is_csv {
         (HEADER, 4)

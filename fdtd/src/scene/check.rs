@@ -165,6 +165,16 @@ impl Checker<'_> {
             high_hz,
             "Hz, inside the band",
         )?;
+        if waveform.carrier_hz * waveform.period_s() < 1.0 {
+            return self.refuse(
+                "waveform.carrier_hz",
+                format!(
+                    "{} Hz makes less than one oscillation in a period of the code",
+                    waveform.carrier_hz
+                ),
+                format!("give {} Hz or more", 1.0 / waveform.period_s()),
+            );
+        }
         let field_rate_hz = 1.0 / self.scene.grid.dt_s;
         self.within(
             "sample_rate_hz",
@@ -337,8 +347,21 @@ fn machine_memory_bytes() -> u64 {
     let group = system
         .cgroup_limits()
         .map_or(u64::MAX, |limits| limits.total_memory);
-    match system.total_memory().min(group) {
+    let machine = match system.total_memory().min(group) {
         0 => u64::MAX,
         bytes => bytes,
-    }
+    };
+    machine.min(address_space_bytes())
+}
+
+/// Limit of the address space of this process.
+#[cfg(unix)]
+fn address_space_bytes() -> u64 {
+    let limit = rustix::process::getrlimit(rustix::process::Resource::As);
+    limit.current.unwrap_or(u64::MAX)
+}
+
+#[cfg(not(unix))]
+fn address_space_bytes() -> u64 {
+    u64::MAX
 }

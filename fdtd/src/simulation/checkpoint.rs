@@ -3,7 +3,7 @@
 //! A line of text that identifies the run, then the lengths of six arrays as little-endian `u64`, then the arrays as
 //! little-endian `f32`: the received signal (after every step, warm-ups included, so that its length determines the
 //! segment), pressure, previous pressure, layer memory along x and y, memory of walls that are not rigid; then a digest
-//! of all.
+//! of lengths and numbers.
 
 use std::hash::Hasher;
 use std::io::Write;
@@ -18,7 +18,7 @@ use crate::error::Error;
 use crate::field::FieldState;
 use crate::walls::CutCell;
 
-const MAGIC: &str = "fdtd checkpoint 6";
+const MAGIC: &str = "fdtd checkpoint 7";
 
 /// FNV-1a over the little-endian bytes of whole numbers: enough to distinguish inputs and to detect a damaged file.
 fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
@@ -29,49 +29,39 @@ fn digest(numbers: impl IntoIterator<Item = u64>) -> u64 {
     hasher.finish()
 }
 
-fn save(file: &Path, fingerprint: &str, received: &[f32], state: &FieldState) -> Result<(), Error> {
-    let temporary = file.with_extension("tmp");
-    let write = || -> std::io::Result<()> {
-        let mut out = std::io::BufWriter::new(std::fs::File::create(&temporary)?);
-        writeln!(out, "{MAGIC} {fingerprint}")?;
-        let arrays = [
-            received,
-            &state.pressure,
-            &state.previous,
-            &state.layer_x,
-            &state.layer_y,
-            &state.surfaces,
-        ];
-        for array in arrays {
-            out.write_all(&(array.len() as u64).to_le_bytes())?;
+fn write(
+    out: &mut impl Write,
+    fingerprint: &str,
+    received: &[f32],
+    state: &FieldState,
+) -> std::io::Result<()> {
+    writeln!(out, "{MAGIC} {fingerprint}")?;
+    let arrays = [
+        received,
+        &state.pressure,
+        &state.previous,
+        &state.layer_x,
+        &state.layer_y,
+        &state.surfaces,
+    ];
+    for array in arrays {
+        out.write_all(&(array.len() as u64).to_le_bytes())?;
+    }
+    for array in arrays {
+        for number in array {
+            out.write_all(&number.to_le_bytes())?;
         }
-        for array in arrays {
-            for number in array {
-                out.write_all(&number.to_le_bytes())?;
-            }
-        }
-        out.write_all(&content_digest(&arrays).to_le_bytes())?;
-        out.into_inner()?.sync_all()?;
-        std::fs::rename(&temporary, file)
-    };
-    write().map_err(|source| {
-        // Nothing half-written stays behind; the first error is the one to report.
-        drop(std::fs::remove_file(&temporary));
-        Error::io(file, source)
-    })
+    }
+    out.write_all(&content_digest(&arrays).to_le_bytes())
 }
 
 fn content_digest(arrays: &[&[f32]]) -> u64 {
-    digest(
-        arrays
-            .iter()
-            .flat_map(|array| array.iter())
-            .map(|number| u64::from(number.to_bits())),
-    )
+    let lengths = arrays.iter().map(|array| array.len() as u64);
+    let numbers = arrays.iter().flat_map(|array| array.iter());
+    digest(lengths.chain(numbers.map(|number| u64::from(number.to_bits()))))
 }
 
-fn load(file: &Path, fingerprint: &str) -> Result<(Vec<f32>, FieldState), Error> {
-    let bytes = std::fs::read(file).map_err(|source| Error::io(file, source))?;
+fn parse(bytes: &[u8], fingerprint: &str, file: &Path) -> Result<(Vec<f32>, FieldState), Error> {
     let wrong = |problem: &str| Error::Checkpoint {
         path: file.to_owned(),
         problem: problem.to_owned(),
@@ -115,7 +105,7 @@ fn load(file: &Path, fingerprint: &str) -> Result<(Vec<f32>, FieldState), Error>
         rest = tail;
     }
     let expected = word(&mut rest)?;
-    if content_digest(&arrays.each_ref().map(Vec::as_slice)) != expected {
+    if !rest.is_empty() || content_digest(&arrays.each_ref().map(Vec::as_slice)) != expected {
         return Err(wrong("is damaged"));
     }
     let [received, pressure, previous, layer_x, layer_y, surfaces] = arrays;
@@ -137,12 +127,39 @@ impl Simulation {
     /// # Errors
     /// [`Error::Io`] when it cannot be written.
     pub fn save_checkpoint(&self, file: &Path) -> Result<(), Error> {
-        save(
-            file,
+        let folder = match file.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let save = || -> std::io::Result<()> {
+            // Removed when it is dropped, so that nothing half-written stays behind.
+            let mut temporary = tempfile::NamedTempFile::new_in(folder)?;
+            self.write_checkpoint(&mut std::io::BufWriter::new(&mut temporary))?;
+            temporary.as_file().sync_all()?;
+            temporary.persist(file)?;
+            Ok(())
+        };
+        save().map_err(|source| Error::io(file, source))
+    }
+
+    /// Writes the bytes of a checkpoint.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_checkpoint(&self, out: &mut impl Write) -> std::io::Result<()> {
+        write(
+            out,
             &self.fingerprint(),
             &self.received,
             &self.field.state(),
-        )
+        )?;
+        out.flush()
+    }
+
+    /// Whether bytes begin as those of a checkpoint, of this version or another.
+    pub fn is_checkpoint(bytes: &[u8]) -> bool {
+        let words = MAGIC.rsplit_once(' ').map_or(MAGIC, |(words, _)| words);
+        bytes.starts_with(words.as_bytes())
     }
 
     /// Continues from a checkpoint: the run then gives the same bytes as one without an interruption.
@@ -150,10 +167,36 @@ impl Simulation {
     /// # Errors
     /// [`Error::Io`] when it cannot be read, [`Error::Checkpoint`] when it is damaged or belongs to other inputs.
     pub fn load_checkpoint(&mut self, file: &Path) -> Result<(), Error> {
-        let (received, state) = load(file, &self.fingerprint())?;
+        let bytes = std::fs::read(file).map_err(|source| Error::io(file, source))?;
+        self.read_checkpoint(&bytes, file)
+    }
+
+    /// As [`Self::load_checkpoint`], from the bytes of a file; errors name `origin`.
+    ///
+    /// # Errors
+    /// [`Error::Checkpoint`] when they are damaged or belong to other inputs.
+    pub fn read_checkpoint(&mut self, bytes: &[u8], origin: &Path) -> Result<(), Error> {
+        let (received, state) = parse(bytes, &self.fingerprint(), origin)?;
+        let wrong = |problem: &str| Error::Checkpoint {
+            path: origin.to_owned(),
+            problem: problem.to_owned(),
+        };
         self.received = received;
         // The state is that after the last step, not yet the silence before the next segment.
         self.enter(self.plan.index_at(self.step().saturating_sub(1)));
+        let lengths = |state: &FieldState| {
+            let FieldState {
+                pressure,
+                previous,
+                layer_x,
+                layer_y,
+                surfaces,
+            } = state;
+            [pressure, previous, layer_x, layer_y, surfaces].map(Vec::len)
+        };
+        if lengths(&self.field.state()) != lengths(&state) {
+            return Err(wrong("is of another grid"));
+        }
         self.field.set_state(&state);
         self.watch.note(self.pair.loudest(self.drive_step()));
         Ok(())

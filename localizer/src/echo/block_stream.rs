@@ -39,6 +39,8 @@ pub fn measure_each(
     odometry: &dyn Fn(usize) -> Odometry,
     each: &mut EachBlock<'_>,
 ) -> Result<(), Error> {
+    parameters.check()?;
+    parameters.check_memory_of_echoes(BATCH)?;
     let bank = DopplerBank::new(parameters)?;
     let mut buffer = BlockBuffer::new(parameters);
     let mut waiting: Vec<Waiting> = Vec::new();

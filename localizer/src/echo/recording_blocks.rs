@@ -33,7 +33,7 @@ impl<'a> RecordingBlocks<'a> {
     /// # Errors
     /// As [`crate::echo::measure`].
     pub(crate) fn new(recording: &'a Recording, parameters: &'a Parameters) -> Result<Self, Error> {
-        let bank = DopplerBank::new(parameters)?;
+        parameters.check()?;
         if parameters.for_recording(&recording.meta) != *parameters {
             let problem = "waveform, sample rate or speed of sound differ from recording.json";
             return Err(Error::invalid(
@@ -57,6 +57,9 @@ impl<'a> RecordingBlocks<'a> {
                 "record longer or choose fewer periods",
             ));
         }
+        // Its size is the recording's from here on.
+        parameters.check_memory_of_echoes(count + 1 - parameters.measurement.periods)?;
+        let bank = DopplerBank::new(parameters)?;
         let signal = match parameters.measurement.direct_wave {
             DirectWave::FreeField => Cow::Owned(direct_wave::subtract_free_field(
                 &recording.signal,

@@ -61,6 +61,7 @@ impl Tracker {
                 parameters.filter.start_sigma_rad,
             ) = (0.0, 0.0);
         }
+        parameters.check_memory_of_filter()?;
         let filter = ParticleFilter::new(&parameters, start, seed);
         Ok(Self {
             parameters,

@@ -30,20 +30,26 @@ pub struct MapBuilder {
 }
 
 impl MapBuilder {
-    /// A map without blocks. `parameters` must pass [`Parameters::check`].
-    pub fn new(parameters: &Parameters) -> Self {
+    /// A map without blocks.
+    ///
+    /// # Errors
+    /// Those of [`Parameters::check`], and for a range that is more cells than fit into memory.
+    pub fn new(parameters: &Parameters) -> Result<Self, Error> {
+        parameters.check()?;
         let measurement = &parameters.measurement;
         let reach = (measurement.max_range_m / measurement.cell_m).ceil() as usize;
+        let margin = reach.max(parameters.window_cells()) as i64;
+        check_size([2 * margin + 1; 2])?;
         let window = ImageWindow::new(parameters, reach);
-        Self {
+        Ok(Self {
             image: vec![0.0; window.len()],
             window,
-            margin: reach.max(parameters.window_cells()) as i64,
+            margin,
             parameters: parameters.clone(),
             ends: None,
             origin: [0; 2],
             layers: [Array2::zeros((0, 0)), Array2::zeros((0, 0))],
-        }
+        })
     }
 
     /// Adds a block at its true pose.
@@ -104,11 +110,8 @@ impl MapBuilder {
         let Some((first, size)) = self.extent() else {
             return Ok(());
         };
-        let [width, height] = size;
-        if width.saturating_mul(height) > MOST_CELLS {
-            let problem = format!("the map would have {width} x {height} cells");
-            let remedy = "give poses in metres, or choose a larger cell_m";
-            return Err(Error::invalid("map", "drives", problem, remedy));
+        if !(0..2).all(|axis| size[axis] <= MOST_CELLS) {
+            return check_size(size);
         }
         let (rows, columns) = self.layers[0].dim();
         let own = [columns as i64, rows as i64];
@@ -119,6 +122,7 @@ impl MapBuilder {
         if inside {
             return Ok(());
         }
+        check_size(size)?;
         // Both what is there and what is needed, and some more for the next poses.
         let empty = own[0] == 0;
         let low = [0, 1].map(|axis| match empty {
@@ -175,6 +179,18 @@ impl MapBuilder {
     }
 }
 
+/// Refuses a map of more cells than an error of unit explains, or than fit into memory.
+fn check_size([width, height]: [i64; 2]) -> Result<(), Error> {
+    let what = format!("a map of {width} x {height} cells");
+    if width.saturating_mul(height) > MOST_CELLS {
+        let problem = format!("it would be {what}");
+        let remedy = "give poses in metres, or choose a larger cell_m";
+        return Err(Error::invalid("map", "drives", problem, remedy));
+    }
+    let bytes = 2.0 * size_of::<f32>() as f64 * (width * height) as f64;
+    crate::memory::check("cell_m", &what, bytes)
+}
+
 /// Adds up the echo images of one or several drives at their poses, eq. (7). Stationary blocks are left out.
 ///
 /// `drives` pairs each sequence with one pose per block, see [`EchoSequence::poses`]. The map reaches `max_range_m` (or
@@ -222,7 +238,7 @@ pub fn build(drives: &[(&EchoSequence, &[Pose])]) -> Result<MapImage, Error> {
             ));
         }
     }
-    let mut map = MapBuilder::new(&parameters);
+    let mut map = MapBuilder::new(&parameters)?;
     for (sequence, poses) in drives {
         for (block, pose) in sequence.blocks.iter().zip(poses.iter()) {
             map.add(block, pose)?;

@@ -34,6 +34,9 @@ pub struct TransmitDescription {
     pub period_s: f64,
     /// Largest sample, decibels of full scale.
     pub level_db: f64,
+    /// A digest of the file, by which it is known when it is to be replaced.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub digest: Option<String>,
 }
 
 impl TransmitDescription {

@@ -1,10 +1,11 @@
 //! Reading with errors that name the file, writing to a temporary name that is then renamed.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
+use super::{json, temporary};
 use crate::error::Error;
 
 /// The text of a file.
@@ -14,8 +15,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
 
 /// A JSON file as a structure.
 pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
-    serde_json::from_str(&read_text(path)?).map_err(|problem| {
-        let field = format!("line {}", problem.line());
+    json::parse(&read_text(path)?).map_err(|(field, problem)| {
         Error::invalid(
             path.display(),
             field,
@@ -30,14 +30,17 @@ pub(crate) fn make_folder(path: &Path) -> Result<(), Error> {
     fs::create_dir_all(path).map_err(|source| Error::io(path, source))
 }
 
-/// Writes a file whole or not at all: `fill` writes a temporary file beside it, which then takes the name.
+/// Writes a file whole or not at all: `fill` writes a temporary file beside it, which then takes the name. What is no
+/// regular file is never replaced.
 pub(crate) fn write_whole(
     path: &Path,
     fill: impl FnOnce(&Path) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let temporary = temporary_name(path);
-    let written = fill(&temporary)
-        .and_then(|()| fs::rename(&temporary, path).map_err(|source| Error::io(path, source)));
+    let of_system = |source| Error::io(path, source);
+    temporary::check_file(path).map_err(of_system)?;
+    let temporary = temporary::name_beside(path);
+    let written =
+        fill(&temporary).and_then(|()| temporary::put_file(&temporary, path).map_err(of_system));
     if written.is_err() {
         // The first error is the one to report; a temporary file that was never made cannot be removed either.
         let _ = fs::remove_file(&temporary);
@@ -48,7 +51,7 @@ pub(crate) fn write_whole(
 /// Writes bytes with [`write_whole`].
 pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     write_whole(path, |temporary| {
-        fs::write(temporary, bytes).map_err(|source| Error::io(temporary, source))
+        fs::write(temporary, bytes).map_err(|source| Error::io(path, source))
     })
 }
 
@@ -61,8 +64,12 @@ pub(crate) fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(
     write_bytes(path, text.as_bytes())
 }
 
-fn temporary_name(path: &Path) -> PathBuf {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.part", std::process::id()));
-    path.with_file_name(name)
+/// The first characters of a file's content, for an error message of one line.
+pub(crate) fn shorten(text: &str) -> String {
+    let mut letters = text.chars().filter(|letter| !letter.is_control());
+    let short: String = letters.by_ref().take(40).collect();
+    match letters.next() {
+        Some(_) => short + "...",
+        None => short,
+    }
 }

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use fnv::FnvHasher;
 use ndarray::{Array2, ArrayView2, s};
-use ndarray_npy::{ReadNpyExt, WriteNpyExt};
+use ndarray_npy::{ReadNpyExt, ViewNpyError, ViewNpyExt, WriteNpyExt};
 use serde::{Deserialize, Serialize};
 
-use super::files;
+use super::{files, json};
 use crate::error::Error;
 use crate::image::map_image::MapImage;
 use crate::parameters::Parameters;
@@ -66,8 +66,22 @@ impl MapImage {
     /// # Errors
     /// [`Error`] when a file is missing or damaged or the files do not belong together.
     pub fn read(folder: &Path) -> Result<Self, Error> {
+        let bytes = |name: &str| {
+            let path = folder.join(name);
+            std::fs::read(&path).map_err(|source| Error::io(path, source))
+        };
         let path = folder.join("map.json");
-        let header: MapHeader = files::read_json(&path)?;
+        let header = files::read_text(&path)?;
+        let layers = [bytes("map.npy")?, bytes("map_toa.npy")?];
+        Self::from_bytes(&header, layers.each_ref().map(Vec::as_slice), folder)
+    }
+
+    /// Reads the text of `map.json` and the bytes of `map.npy` and `map_toa.npy`; errors name them in `folder`.
+    ///
+    /// # Errors
+    /// As [`MapImage::read`], but for a missing file.
+    pub fn from_bytes(header: &str, layers: [&[u8]; 2], folder: &Path) -> Result<Self, Error> {
+        let path = folder.join("map.json");
         let refuse = |field: &str, problem: &str| {
             Error::invalid(
                 path.display(),
@@ -76,18 +90,27 @@ impl MapImage {
                 "make the map anew with the command `map`",
             )
         };
-        if !(header.cell_m.is_finite() && header.cell_m > 0.0) {
-            return Err(refuse("cell_m", "is not a positive number"));
+        let header: MapHeader =
+            json::parse(header).map_err(|(field, problem)| refuse(&field, &problem))?;
+        header
+            .parameters
+            .check()
+            .map_err(|error| refuse("parameters", &error.to_string()))?;
+        if (header.cell_m - header.parameters.measurement.cell_m).abs() > 1e-9 {
+            return Err(refuse("cell_m", "is not that of parameters"));
         }
-        if header.origin_cell.iter().any(|cell| cell.abs() > 1 << 40) {
+        if header
+            .origin_cell
+            .iter()
+            .any(|cell| cell.unsigned_abs() > 1 << 40)
+        {
             return Err(refuse("origin_cell", "is out of any room"));
         }
-        header.parameters.check()?;
         let map = Self {
             origin_cell: header.origin_cell,
             cell_m: header.cell_m,
-            intensity: read_npy(&folder.join("map.npy"))?,
-            toa_only: read_npy(&folder.join("map_toa.npy"))?,
+            intensity: parse_npy(layers[0], &folder.join("map.npy"))?,
+            toa_only: parse_npy(layers[1], &folder.join("map_toa.npy"))?,
             parameters: header.parameters,
         };
         if hash(&map) != header.hash {
@@ -122,16 +145,39 @@ fn write_npy(path: &Path, layer: &Array2<f32>) -> Result<(), Error> {
     files::write_bytes(path, &bytes)
 }
 
-fn read_npy(path: &Path) -> Result<Array2<f32>, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::io(path, source))?;
-    Array2::<f32>::read_npy(bytes.as_slice()).map_err(|problem| {
-        Error::invalid(
-            path.display(),
-            "array",
-            problem,
-            "give a two-dimensional array of 32-bit floats",
-        )
-    })
+/// Where the header of an NPY file ends, by its own length; `None` when it is no such file.
+fn header_end(bytes: &[u8]) -> Option<u64> {
+    let (version, rest) = bytes.strip_prefix(b"\x93NUMPY")?.split_first_chunk::<2>()?;
+    // Version 1 has a length of two bytes, later ones of four.
+    let (start, length) = match version[0] {
+        1 => (10, u64::from(u16::from_le_bytes(*rest.first_chunk()?))),
+        _ => (12, u64::from(u32::from_le_bytes(*rest.first_chunk()?))),
+    };
+    Some(start + length)
+}
+
+/// Reads the bytes of a two-dimensional NPY file; errors name `origin`.
+///
+/// # Errors
+/// [`Error::Invalid`] when they are something else, or another number of bytes than the header says.
+pub fn parse_npy(bytes: &[u8], origin: &Path) -> Result<Array2<f32>, Error> {
+    let refuse = |problem: String| {
+        let remedy = "give a two-dimensional array of 32-bit floats";
+        Error::invalid(origin.display(), "array", json::one_line(&problem), remedy)
+    };
+    // Its reader asks for the memory of the header before it looks whether the file is as long.
+    if header_end(bytes).is_none_or(|end| end > bytes.len() as u64) {
+        return Err(refuse("is no NPY file, or is cut short".to_string()));
+    }
+    ArrayView2::<f32>::view_npy(bytes)
+        .map(|layer| layer.to_owned())
+        .or_else(|problem| match problem {
+            // The bytes of a file need not be aligned in memory; their number is the header's all the same.
+            ViewNpyError::MisalignedData => {
+                Array2::<f32>::read_npy(bytes).map_err(|problem| refuse(problem.to_string()))
+            }
+            problem => Err(refuse(problem.to_string())),
+        })
 }
 
 fn hash(map: &MapImage) -> String {
@@ -211,6 +257,25 @@ mod tests {
         // The last map row, with the largest value at its right end, comes first.
         assert_eq!(picture[11 + 5], 0);
         assert_eq!(picture[11 + 18], 255);
+    }
+
+    #[test]
+    fn a_header_longer_than_its_file_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        map().write(folder.path()).unwrap();
+        let mut bytes = std::fs::read(folder.path().join("map.npy")).unwrap();
+        let origin = Path::new("map.npy");
+        assert_eq!(parse_npy(&bytes, origin).unwrap(), map().intensity);
+        // Version 2, whose length has four bytes: 3 GB.
+        bytes[6] = 2;
+        bytes[8..12].copy_from_slice(&3_212_509_302_u32.to_le_bytes());
+        for bytes in [&bytes[..], b"", b"\x93NUMPY", b"\x93NUMPY\x01\0\xff\xff"] {
+            let message = parse_npy(bytes, origin).unwrap_err().to_string();
+            assert!(
+                message.contains("map.npy") && message.contains("cut short"),
+                "{message}"
+            );
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::files;
+use super::files::shorten;
 use crate::error::Error;
 use crate::odometry::OdometrySample;
 
@@ -32,7 +33,7 @@ pub fn parse(text: &str, origin: &str) -> Result<Vec<OdometrySample>, Error> {
         return Err(Error::invalid(
             origin,
             "line 1",
-            format!("`{header}` is not the header"),
+            format!("`{}` is not the header", shorten(header)),
             remedy,
         ));
     }
@@ -56,7 +57,7 @@ pub fn parse(text: &str, origin: &str) -> Result<Vec<OdometrySample>, Error> {
                     omega_radps,
                 }),
                 _ => {
-                    let problem = format!("`{line}` is not three finite numbers");
+                    let problem = format!("`{}` is not three finite numbers", shorten(line));
                     Err(Error::invalid(
                         origin,
                         format!("line {}", index + 1),

@@ -73,19 +73,6 @@ pub(super) fn read_meta(folder: &Path, options: &ReadOptions) -> Result<Recordin
             field.get_or_insert(0.0);
         }
     }
-    for (field, value) in [
-        ("odometry_clock_s", meta.odometry_clock_s),
-        ("truth_clock_s", meta.truth_clock_s),
-    ] {
-        if value.is_some_and(|value| !value.is_finite()) {
-            return Err(Error::invalid(
-                path.display(),
-                field,
-                "is not finite",
-                "give seconds",
-            ));
-        }
-    }
     Ok(meta)
 }
 

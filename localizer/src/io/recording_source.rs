@@ -56,7 +56,7 @@ impl RecordingSource {
             ));
         }
         let meta_path = folder.join("recording.json");
-        let origin = |error| at(&meta_path, error);
+        let origin = meta_path.display().to_string();
         let mut meta = read_meta(folder, options)?;
         let spectrum = read_waveform(folder, options, &mut meta)?;
         let speed_of_sound_assumed = meta.speed_of_sound_mps == 0.0;
@@ -69,7 +69,13 @@ impl RecordingSource {
         if meta.sample_rate_hz == 0.0 {
             meta.sample_rate_hz = header_hz;
         }
-        wav::check_rate(&wav_path, header_hz, meta.sample_rate_hz)?;
+        wav::check_rate(
+            &wav_path.display().to_string(),
+            header_hz,
+            meta.sample_rate_hz,
+        )?;
+        // Before anything is computed of these numbers; the whole samples of a period are made further below.
+        meta.check_numbers(&origin, spectrum.is_some())?;
         let file_rate_hz = meta.sample_rate_hz;
         let clock = SoundClock {
             late_s: meta.late_s,
@@ -86,11 +92,8 @@ impl RecordingSource {
             let count = (spectrum.period_s * meta.sample_rate_hz).round() as usize;
             meta.transmitted = Some(Arc::from(spectrum.samples(count)));
         }
-        let parameters = Parameters::default().for_recording(&meta);
-        // Short codes do not reach the default's range: that is the parameters' affair, not the recording's.
-        let mut checked = parameters.clone();
-        checked.measurement.max_range_m = checked.measurement.min_range_m + 0.01;
-        checked.check().map_err(origin)?;
+        meta.check(&origin)?;
+        let parameters = aligning_parameters(&meta);
         let frames = stream.length();
         let channels = stream.channels();
         drop(stream);
@@ -104,7 +107,7 @@ impl RecordingSource {
             meta,
         };
         source.alignment.speed_of_sound_assumed = speed_of_sound_assumed;
-        source.find_sound(&checked)?;
+        source.find_sound(&parameters)?;
         source.find_logs()?;
         let fastest_mps = 0.1 * source.meta.speed_of_sound_mps;
         let name = folder.display().to_string();
@@ -125,10 +128,33 @@ impl RecordingSource {
         self.duration_s
     }
 
-    /// The pose at time 0: the truth, else the start in `recording.json`, else the origin.
+    /// The pose at time 0: the truth where it covers it, else the start in `recording.json`, else the origin.
     pub fn start_pose(&self) -> Pose {
-        let truth = self.truth.as_ref().and_then(|truth| truth.pose_at(0.0));
-        truth.or(self.meta.start).unwrap_or_default()
+        self.known_start().unwrap_or_default()
+    }
+
+    /// As [`Self::start_pose`], but `None` instead of the origin.
+    pub fn known_start(&self) -> Option<Pose> {
+        let truth = self.truth.as_ref();
+        let truth = truth.and_then(|truth| truth.covered_pose_at(0.0));
+        truth.or(self.meta.start)
+    }
+
+    /// Refuses a channel without any sound: silent, or constant, as a dead microphone records.
+    ///
+    /// # Errors
+    /// As [`crate::quality::check_signal`], or for a damaged file.
+    pub fn check_signal(&self) -> Result<(), Error> {
+        let mut stream = WavStream::open(&self.folder.join("signal.wav"))?;
+        let (mut first, mut piece) = (None, Vec::new());
+        while stream.read(1 << 14, self.alignment.channel, &mut piece)? > 0 {
+            let first = *first.get_or_insert(piece[0]);
+            if piece.iter().any(|&sample| sample != first) {
+                return Ok(());
+            }
+            piece.clear();
+        }
+        crate::quality::check_signal(&[first.unwrap_or(0.0)], &self.folder.display().to_string())
     }
 
     /// The sound, period by period.
@@ -136,8 +162,7 @@ impl RecordingSource {
     /// # Errors
     /// [`Error`] when the file cannot be opened.
     pub fn sound(&self) -> Result<SoundReader, Error> {
-        let mut parameters = Parameters::default().for_recording(&self.meta);
-        parameters.measurement.max_range_m = parameters.measurement.min_range_m + 0.01;
+        let parameters = aligning_parameters(&self.meta);
         let rate_hz = self.alignment.file_rate_hz;
         let aligner = SoundAligner::new(&parameters, rate_hz, self.clock)?;
         SoundReader::open(
@@ -267,6 +292,19 @@ impl RecordingSource {
         self.meta.channel = None;
         Ok(())
     }
+}
+
+/// Parameters by which a sound is aligned: no range counts, so that short codes can have it.
+fn aligning_parameters(meta: &RecordingMeta) -> Parameters {
+    let mut parameters = Parameters::default().for_recording(meta);
+    let longest_m = parameters
+        .signal
+        .range_of_delay_m(parameters.samples_per_period() as f64 - 1.0);
+    let measurement = &mut parameters.measurement;
+    measurement.max_range_m = longest_m.min(measurement.min_range_m + 0.01);
+    measurement.min_range_m = measurement.min_range_m.min(0.5 * measurement.max_range_m);
+    measurement.range_pool_m = measurement.range_pool_m.min(measurement.max_range_m);
+    parameters
 }
 
 fn nothing(path: &Path) -> Error {

@@ -1,8 +1,6 @@
 //! The sound of a recording, period by period.
 
 use std::collections::VecDeque;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
 use super::wav::WavStream;
@@ -15,7 +13,7 @@ const PIECE: usize = 1 << 14;
 
 /// The sound of a recording, period by period.
 pub struct SoundReader {
-    stream: WavStream<BufReader<File>>,
+    stream: WavStream,
     channel: usize,
     aligner: SoundAligner,
     piece: Vec<f32>,

@@ -4,12 +4,15 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::files;
+use super::files::shorten;
 use crate::error::Error;
 use crate::pose::{Pose, wrap_angle};
 use crate::trajectory::Trajectory;
 
 /// Largest tilt of a robot that drives on a floor, in degrees.
 const LARGEST_TILT_DEG: f64 = 20.0;
+/// Farthest place from the world's origin in metres, per coordinate.
+const FARTHEST_M: f64 = 1e7;
 
 impl Trajectory {
     /// Reads a TUM file. Lines that are empty or start with `#` are skipped.
@@ -41,7 +44,7 @@ impl Trajectory {
                 .collect::<Result<_, _>>()
                 .map_err(|_| {
                     refuse(
-                        format!("`{line}` is not all numbers"),
+                        format!("`{}` is not all numbers", shorten(line)),
                         "write `t x y z qx qy qz qw`",
                     )
                 })?;
@@ -53,6 +56,12 @@ impl Trajectory {
                 return Err(refuse(
                     "has a number that is not finite".to_owned(),
                     "write finite numbers",
+                ));
+            }
+            if x_m.abs().max(y_m.abs()) > FARTHEST_M {
+                return Err(refuse(
+                    format!("the place {x_m}, {y_m} is far from any room"),
+                    "write metres",
                 ));
             }
             if qx * qx + qy * qy + qz * qz + qw * qw < 1e-6 {

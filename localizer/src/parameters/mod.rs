@@ -15,7 +15,7 @@ pub use self::filter::FilterParameters;
 #[cfg(test)]
 pub(crate) use self::json::each_field_changed;
 pub use self::measurement::MeasurementParameters;
-pub use self::signal::SignalParameters;
+pub use self::signal::{FARTHEST_SENSOR_M, SPEEDS_OF_SOUND_MPS, SignalParameters};
 
 /// Parameters of the method. `Default` is Table I of the paper, plus our choice wherever the paper leaves one open.
 ///
@@ -78,42 +78,30 @@ impl Parameters {
                 remedy,
             ))
         };
-        for (field, value) in [
-            ("sample_rate_hz", self.signal.sample_rate_hz),
-            ("chip_rate_hz", self.signal.chip_rate_hz),
-            ("carrier_hz", self.signal.carrier_hz),
-            ("speed_of_sound_mps", self.signal.speed_of_sound_mps),
-            ("cell_m", self.measurement.cell_m),
-            ("window_half_width_m", self.filter.window_half_width_m),
-            ("max_range_m", self.measurement.max_range_m),
-            ("direct_wave_time_s", self.measurement.direct_wave_time_s),
-            ("likelihood_exponent", self.filter.likelihood_exponent),
+        self.signal
+            .check("parameters", self.transmitted.is_some())?;
+        let Self {
+            measurement: m,
+            filter: f,
+            ..
+        } = self;
+        // Beyond these numbers there is no room, no robot, and no exact arithmetic.
+        for (field, value, low, high) in [
+            ("cell_m", m.cell_m, 1e-4, 100.0),
+            ("window_half_width_m", f.window_half_width_m, 1e-4, 1e4),
+            ("max_range_m", m.max_range_m, 1e-3, 1e4),
+            ("direct_wave_time_s", m.direct_wave_time_s, 1e-6, 1e9),
+            ("likelihood_exponent", f.likelihood_exponent, 1e-6, 1e3),
+            ("sigma_v_mps", f.sigma_v_mps, 0.0, 100.0),
+            ("sigma_omega_radps", f.sigma_omega_radps, 0.0, 100.0),
+            ("min_range_m", m.min_range_m, 0.0, 1e4),
+            ("range_pool_m", m.range_pool_m, 0.0, 1e4),
+            ("min_speed_mps", m.min_speed_mps, 0.0, 100.0),
+            ("start_sigma_m", f.start_sigma_m, 0.0, 1e4),
+            ("start_sigma_rad", f.start_sigma_rad, 0.0, 100.0),
         ] {
-            if !(value.is_finite() && value > 0.0) {
-                return refuse(field, &value, "give a positive number");
-            }
-        }
-        for (field, value) in [
-            ("sigma_v_mps", self.filter.sigma_v_mps),
-            ("sigma_omega_radps", self.filter.sigma_omega_radps),
-            ("min_range_m", self.measurement.min_range_m),
-            ("range_pool_m", self.measurement.range_pool_m),
-            ("min_speed_mps", self.measurement.min_speed_mps),
-            ("start_sigma_m", self.filter.start_sigma_m),
-            ("start_sigma_rad", self.filter.start_sigma_rad),
-            ("sensor_offset_m[0]", self.signal.sensor_offset_m[0].abs()),
-            ("sensor_offset_m[1]", self.signal.sensor_offset_m[1].abs()),
-            (
-                "sensor_baseline_m[0]",
-                self.signal.sensor_baseline_m[0].abs(),
-            ),
-            (
-                "sensor_baseline_m[1]",
-                self.signal.sensor_baseline_m[1].abs(),
-            ),
-        ] {
-            if !(value.is_finite() && value >= 0.0) {
-                return refuse(field, &value, "give zero or a positive number");
+            if !(low..=high).contains(&value) {
+                return refuse(field, &value, &format!("give {low} to {high}"));
             }
         }
         if !(0.0..=1.0).contains(&self.filter.resample_threshold) {
@@ -123,36 +111,11 @@ impl Parameters {
                 "give a fraction from 0 to 1",
             );
         }
-        if let Some(period) = &self.transmitted {
-            if period.len() != self.samples_per_period() {
-                let remedy = "give one period of the waveform at sample_rate_hz";
-                return refuse("transmitted", &period.len(), remedy);
-            }
-        } else if self.signal.code_order().is_none() {
-            return refuse(
-                "code_length",
-                &self.signal.code_length,
-                "give 2^n - 1 with n from 2 to 18",
-            );
-        }
-        let samples =
-            self.signal.code_length as f64 / self.signal.chip_rate_hz * self.signal.sample_rate_hz;
-        if (samples - samples.round()).abs() > 1e-6 {
-            return refuse(
-                "sample_rate_hz",
-                &self.signal.sample_rate_hz,
-                "choose it so that a whole number of samples makes one period of the code",
-            );
-        }
-        if self.transmitted.is_none()
-            && self.signal.carrier_hz + 0.5 * self.signal.chip_rate_hz
-                > 0.5 * self.signal.sample_rate_hz
+        if let Some(period) = &self.transmitted
+            && period.len() != self.samples_per_period()
         {
-            return refuse(
-                "carrier_hz",
-                &self.signal.carrier_hz,
-                "keep carrier and half the chip rate below half the sample rate",
-            );
+            let remedy = "give one period of the waveform at sample_rate_hz";
+            return refuse("transmitted", &period.len(), remedy);
         }
         if !(1..=64).contains(&self.measurement.periods) {
             return refuse("periods", &self.measurement.periods, "give 1 to 64");
@@ -173,6 +136,9 @@ impl Parameters {
                 "give 1 to 2000 cells of cell_m",
             );
         }
+        if m.min_range_m >= m.max_range_m {
+            return refuse("min_range_m", &m.min_range_m, "give less than max_range_m");
+        }
         if self.measurement.range_pool_m > self.measurement.max_range_m {
             return refuse(
                 "range_pool_m",
@@ -184,11 +150,43 @@ impl Parameters {
             .signal
             .range_of_delay_m(self.signal.samples_per_period() as f64 - 1.0);
         if self.measurement.max_range_m > longest_m {
-            let remedy =
-                format!("give at most {longest_m:.2} m, half the way of sound in one period");
+            let remedy = format!(
+                "give at most {longest_m:.2} m, half the way of sound in one period of {} chips",
+                self.signal.code_length
+            );
             return refuse("max_range_m", &self.measurement.max_range_m, &remedy);
         }
         Ok(())
+    }
+}
+
+/// Bytes of a number of type `T` for each of `count`.
+fn bytes<T>(count: f64) -> f64 {
+    count * size_of::<T>() as f64
+}
+
+impl Parameters {
+    /// Refuses a measurement of `blocks` blocks that does not fit into memory; the parameters must pass
+    /// [`Parameters::check`].
+    pub(crate) fn check_memory_of_echoes(&self, blocks: usize) -> Result<(), Error> {
+        let directions = self.measurement.directions as f64 + 2.0;
+        let block =
+            bytes::<f32>(directions * self.delays() as f64 + self.samples_per_period() as f64);
+        let what = format!("the echoes of {blocks} blocks");
+        crate::memory::check("directions", &what, blocks as f64 * block)
+    }
+
+    /// Refuses a filter that does not fit into memory; the parameters must pass [`Parameters::check`].
+    pub(crate) fn check_memory_of_filter(&self) -> Result<(), Error> {
+        let pixels = (2.0 * self.window_cells() as f64 + 1.0).powi(2);
+        let directions = self.measurement.directions as f64;
+        // A map patch of a byte a pixel, two borders a direction, and poses and weights.
+        let particle = pixels + bytes::<u32>(4.0 * directions) + bytes::<f64>(64.0);
+        let particles = self.filter.particles;
+        // Sorted pixels, and the strips of the images that all particles share.
+        let shared = pixels * (bytes::<f64>(16.0) + 8.0 * directions);
+        let what = format!("{particles} particles with windows of {pixels} pixels");
+        crate::memory::check("particles", &what, particles as f64 * particle + shared)
     }
 }
 

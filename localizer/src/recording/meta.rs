@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::{Parameters, SignalParameters};
+use crate::error::Error;
+use crate::parameters::{FARTHEST_SENSOR_M, Parameters, SignalParameters};
 use crate::pose::Pose;
 
 /// The content of `recording.json`: waveform, clocks and places of the sensors.
@@ -74,7 +75,63 @@ impl Parameters {
     }
 }
 
+/// Largest reading of a clock in seconds: some 300 years, so that seconds since 1970 fit and nanoseconds do not.
+const LATEST_S: f64 = 1e10;
+/// Longest time before the first period in seconds.
+const LONGEST_S: f64 = 1e6;
+/// Largest difference of two sound cards' clocks in parts per million.
+const MOST_PPM: f64 = 1e5;
+/// Farthest start from the world's origin in metres, per coordinate.
+const FARTHEST_M: f64 = 1e6;
+
 impl RecordingMeta {
+    /// Checks every field once; errors name `origin`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the first field that cannot be used.
+    pub fn check(&self, origin: &str) -> Result<(), Error> {
+        let other_waveform = self.transmitted.is_some();
+        self.check_numbers(origin, other_waveform)?;
+        self.signal_parameters().check(origin, other_waveform)
+    }
+
+    /// As [`Self::check`], of a sound that is still to be resampled to whole samples of a period.
+    pub(crate) fn check_numbers(&self, origin: &str, other_waveform: bool) -> Result<(), Error> {
+        let within = |field: &str, value: f64, most: f64, unit: &str| {
+            // Written so that NaN is refused.
+            if (-most..=most).contains(&value) {
+                return Ok(());
+            }
+            let problem = format!("{value} cannot be used");
+            let remedy = format!("give -{most} to {most} {unit}");
+            Err(Error::invalid(origin, field, problem, remedy))
+        };
+        for (name, place_m) in [
+            ("loudspeaker_offset_m", self.loudspeaker_offset_m),
+            ("microphone_offset_m", self.microphone_offset_m),
+        ] {
+            for (axis, value) in place_m.into_iter().enumerate() {
+                let unit = "m, on the robot";
+                within(&format!("{name}[{axis}]"), value, FARTHEST_SENSOR_M, unit)?;
+            }
+        }
+        for (field, value, most, unit) in [
+            ("late_s", self.late_s, LONGEST_S, "s"),
+            ("drift_ppm", self.drift_ppm, MOST_PPM, "ppm"),
+            ("odometry_clock_s", self.odometry_clock_s, LATEST_S, "s"),
+            ("truth_clock_s", self.truth_clock_s, LATEST_S, "s"),
+        ] {
+            within(field, value.unwrap_or(0.0), most, unit)?;
+        }
+        if let Some(start) = self.start {
+            within("start.x_m", start.x_m, FARTHEST_M, "m")?;
+            within("start.y_m", start.y_m, FARTHEST_M, "m")?;
+            within("start.heading_rad", start.heading_rad, 1e3, "rad")?;
+        }
+        self.signal_parameters()
+            .check_numbers(origin, other_waveform)
+    }
+
     /// The parameters that the recording fixes.
     pub fn signal_parameters(&self) -> SignalParameters {
         SignalParameters {

@@ -45,9 +45,11 @@ impl Recording {
     /// Checks that signal, direct wave and odometry fit together.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for samples that are not finite, a direct wave of another length, and odometry that is
-    /// unsorted, not finite, has gaps above one second, or does not cover the signal.
+    /// [`Error::Invalid`] for a field of [`RecordingMeta`] that cannot be used, samples that are not finite, a direct
+    /// wave of another length, and odometry that is unsorted, not finite, has gaps above one second, or does not cover
+    /// the signal.
     pub fn check(&self, origin: &str) -> Result<(), Error> {
+        self.meta.check(&format!("{origin}: recording.json"))?;
         for (name, samples) in [
             ("signal.wav", Some(&self.signal)),
             ("direct.wav", self.direct.as_ref()),
@@ -101,10 +103,16 @@ impl Recording {
             .collect()
     }
 
-    /// The pose at time 0: the truth, else the start in `recording.json`, else the origin.
+    /// The pose at time 0: the truth where it covers it, else the start in `recording.json`, else the origin.
     pub fn start_pose(&self) -> Pose {
-        let truth = self.truth.as_ref().and_then(|truth| truth.pose_at(0.0));
-        truth.or(self.meta.start).unwrap_or_default()
+        self.known_start().unwrap_or_default()
+    }
+
+    /// As [`Self::start_pose`], but `None` instead of the origin.
+    pub fn known_start(&self) -> Option<Pose> {
+        let truth = self.truth.as_ref();
+        let truth = truth.and_then(|truth| truth.covered_pose_at(0.0));
+        truth.or(self.meta.start)
     }
 }
 

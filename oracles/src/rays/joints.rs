@@ -11,15 +11,39 @@ use super::wall_segment::WallSegment;
 /// Two ends closer than this are one joint, in metres, unless the walls are thicker: then half the thickness.
 const JOINT_TOLERANCE_M: f64 = 1e-6;
 
+/// Ends of a face within this distance of a line lie on it, in metres.
+const SAME_LINE_M: f64 = 2e-6;
+
 /// Faces shorter than this are crumbs of the cutting, in metres.
 const SHORTEST_M: f64 = 1e-6;
 
 /// All faces of a set of segments.
 pub(super) fn faces_of(segments: &[WallSegment]) -> Vec<Face> {
-    (0..segments.len())
+    let all = (0..segments.len())
         .flat_map(|index| [1.0, -1.0].map(|side| mitred(segments, index, side)))
-        .flat_map(|face| visible_pieces(segments, face))
-        .collect()
+        .flat_map(|face| visible_pieces(segments, face));
+    let mut faces: Vec<Face> = Vec::new();
+    for face in all {
+        // Walls drawn over each other have one surface, which reflects once.
+        let covered: Vec<[f64; 2]> = faces
+            .iter()
+            .filter_map(|before| common(&face, before))
+            .collect();
+        faces.extend(without(&face, &covered));
+    }
+    faces
+}
+
+/// Interval of a face, in metres from its start, on which another face lies with its front to the same side.
+fn common(face: &Face, other: &Face) -> Option<[f64; 2]> {
+    let ends = [other.start_m, other.end_m()];
+    let same = dot(face.normal, other.normal) > 0.0
+        && ends
+            .iter()
+            .all(|&end| face.height_m(end).abs() <= SAME_LINE_M);
+    let [one, two] = ends.map(|end| dot(sub(end, face.start_m), face.along));
+    let (low, high) = (one.min(two).max(0.0), one.max(two).min(face.length_m));
+    (same && high - low > SHORTEST_M).then_some([low, high])
 }
 
 /// The face on one side (+1 left of the centre line's direction, -1 right) between its joints.
@@ -46,11 +70,19 @@ fn mitred(segments: &[WallSegment], index: usize, side: f64) -> Face {
 
 /// The parts of a face that are not inside other walls.
 fn visible_pieces(segments: &[WallSegment], face: Face) -> Vec<Face> {
+    let hidden: Vec<[f64; 2]> = segments
+        .iter()
+        .enumerate()
+        .filter(|&(index, _)| index != face.segment)
+        .filter_map(|(_, other)| inside(&face, other))
+        .collect();
+    without(&face, &hidden)
+}
+
+/// The parts of a face outside of intervals, in metres from its start.
+fn without(face: &Face, intervals: &[[f64; 2]]) -> Vec<Face> {
     let mut pieces = vec![[0.0, face.length_m]];
-    for (index, other) in segments.iter().enumerate() {
-        let Some([from, to]) = inside(&face, other).filter(|_| index != face.segment) else {
-            continue;
-        };
+    for &[from, to] in intervals {
         pieces = pieces
             .into_iter()
             .flat_map(|[low, high]| [[low, high.min(from)], [low.max(to), high]])
@@ -62,7 +94,7 @@ fn visible_pieces(segments: &[WallSegment], face: Face) -> Vec<Face> {
         .map(|[low, high]| Face {
             start_m: add(face.start_m, scale(face.along, low)),
             length_m: high - low,
-            ..face
+            ..*face
         })
         .collect()
 }
@@ -126,6 +158,8 @@ fn mitre_m(segments: &[WallSegment], index: usize, joint_m: Vec2, away: Vec2, no
             let turn = dot(direction, normal).atan2(dot(direction, away));
             (turn.rem_euclid(std::f64::consts::TAU), other.thickness_m)
         })
+        // A wall drawn over this one is not its neighbour.
+        .filter(|(turn, _)| turn.sin().abs() > 1e-6 || turn.cos() < 0.0)
         .min_by(|one, other| one.0.total_cmp(&other.0));
     let Some((turn_rad, neighbour_thickness_m)) = neighbour else {
         return 0.0;

@@ -19,11 +19,22 @@ pub struct Reflectors {
 }
 
 impl Reflectors {
-    /// Faces of a set of segments. Pieces without length are ignored.
+    /// Faces of a set of segments. Pieces without length are ignored, and so are those that lie wholly on another.
     pub fn new(segments: impl IntoIterator<Item = WallSegment>) -> Self {
-        let segments: Vec<WallSegment> = segments
+        let drawn: Vec<WallSegment> = segments
             .into_iter()
             .filter(|segment| length(sub(segment.ends_m[1], segment.ends_m[0])) > 0.0)
+            .collect();
+        let is_covered = |index: usize| {
+            drawn.iter().enumerate().any(|(other, wall)| {
+                // Of two that cover each other the first stays.
+                let first = other < index || !drawn[index].covers(wall);
+                other != index && first && wall.covers(&drawn[index])
+            })
+        };
+        let segments: Vec<WallSegment> = (0..drawn.len())
+            .filter(|&index| !is_covered(index))
+            .map(|index| drawn[index])
             .collect();
         let faces = faces_of(&segments);
         let touching = segments

@@ -30,6 +30,53 @@ fn a_single_wall_gives_the_direct_path_and_one_echo() {
     close(paths[1].points_m[1][0], 1.99);
 }
 
+/// Twice, folded back on itself, in parts that overlap, or with a shorter one on it: one surface, one echo.
+#[test]
+fn walls_drawn_over_each_other_reflect_once() {
+    let (a, b) = ([2.0, -1.0], [2.0, 1.0]);
+    let whole = wall(0, a, b, 0.02);
+    let layouts = [
+        vec![whole, wall(1, a, b, 0.02)],
+        vec![whole, wall(0, b, a, 0.02)],
+        vec![wall(0, a, [2.0, 0.4], 0.02), wall(1, [2.0, -0.3], b, 0.02)],
+        vec![whole, wall(1, [2.0, -0.2], [2.0, 0.35], 0.02)],
+        vec![
+            wall(1, [2.0, -0.2], [2.0, 0.35], 0.02),
+            whole,
+            wall(2, b, a, 0.02),
+        ],
+        // Another wall of the corner must still be the neighbour.
+        vec![whole, wall(1, a, b, 0.02), wall(2, b, [1.0, 1.0], 0.02)],
+    ];
+    for (number, layout) in layouts.into_iter().enumerate() {
+        let corner = layout.len() == 3 && number == 5;
+        let one: Vec<WallSegment> = match corner {
+            true => vec![layout[0], layout[2]],
+            false => vec![whole],
+        };
+        let length_m = |walls: &[WallSegment], side: f64| -> f64 {
+            let faces = Reflectors::new(walls.iter().copied());
+            let of_side = |face: &&Face| face.normal[0] * side > 0.5;
+            faces
+                .faces()
+                .iter()
+                .filter(of_side)
+                .map(|face| face.length_m)
+                .sum()
+        };
+        for side in [1.0, -1.0] {
+            close(length_m(&layout, side), length_m(&one, side));
+        }
+        let at = [0.0, 0.1];
+        let echoes = |walls: &[WallSegment]| -> Vec<f64> {
+            let walls = Reflectors::new(walls.iter().copied());
+            let paths = trace(&walls, at, at, &TraceOptions::default());
+            paths.iter().map(|path| path.length_m).collect()
+        };
+        assert_eq!(echoes(&layout).len(), echoes(&one).len(), "layout {number}");
+    }
+}
+
 #[test]
 fn a_bistatic_echo_has_equal_angles() {
     let walls = Reflectors::new([wall(0, [-3.0, 0.0], [3.0, 0.0], 0.0)]);

@@ -30,6 +30,15 @@ impl WallSegment {
         ends(self, other) || ends(other, self) || self.crosses(other)
     }
 
+    /// Whether another lies wholly on it: on the same line, not beyond its ends, and not thicker.
+    pub(super) fn covers(&self, other: &Self) -> bool {
+        let thin = other.thickness_m <= self.thickness_m + TOUCH_M;
+        thin && other
+            .ends_m
+            .iter()
+            .all(|&end| distance_m(end, self.ends_m) <= TOUCH_M)
+    }
+
     fn crosses(&self, other: &Self) -> bool {
         let splits = |[a, b]: [Vec2; 2], [p, q]: [Vec2; 2]| {
             let along = sub(b, a);

@@ -24,7 +24,7 @@ impl InstructionSet {
 
     /// The best one of this machine.
     pub fn detect() -> Self {
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
         {
             use std::arch::is_x86_feature_detected as has;
             if has!("avx2") && has!("fma") {

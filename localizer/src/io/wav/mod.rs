@@ -1,4 +1,5 @@
-//! WAV files: 32-bit float, or 16, 24 and 32-bit integers scaled to full scale 1.
+//! WAV files: 32 and 64-bit float, or integers of 8 to 32 bits scaled to full scale 1, as recorders write them.
+//! Integers of fewer valid bits than they take in the file are at its upper end, as WAVE_FORMAT_EXTENSIBLE says.
 
 mod read;
 #[cfg(test)]
@@ -8,7 +9,7 @@ mod write;
 use std::path::Path;
 
 pub(crate) use read::check_rate;
-pub use read::{WavStream, read};
+pub use read::{WavStream, parse, read};
 pub use write::{write, write_integers, write_pcm16, write_scaled};
 
 use crate::error::Error;

@@ -1,113 +1,139 @@
 //! Reading, one channel, piece by piece or whole.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::Cursor;
 use std::path::Path;
 
-use hound::{SampleFormat, WavReader, WavSpec};
+use symphonia::core::codecs::audio::{AudioDecoder, AudioDecoderOptions};
+use symphonia::core::errors::Error as SymphoniaError;
+use symphonia::core::formats::{FormatReader, TrackType};
+use symphonia::core::io::{MediaSource, MediaSourceStream};
+use symphonia::default::{formats::WavReader, get_codecs};
 
-use super::{MOST_CHANNELS, of_hound};
+use super::MOST_CHANNELS;
 use crate::error::Error;
 
-/// A WAV stream that is read piece by piece, one channel of it.
-pub struct WavStream<R> {
-    reader: WavReader<R>,
+/// A WAV file that is read piece by piece, one channel of it.
+pub struct WavStream {
+    reader: WavReader<'static>,
+    decoder: Box<dyn AudioDecoder>,
     origin: String,
-    spec: WavSpec,
+    rate_hz: f64,
+    channels: usize,
+    /// Frames that the header promises.
+    length: u64,
     /// Frames read so far.
     frames: u64,
+    /// Decoded frames, interleaved, and how many of the values are taken.
+    decoded: Vec<f64>,
+    taken: usize,
+    /// Frames decoded so far.
+    found: u64,
 }
 
-impl WavStream<BufReader<File>> {
+impl WavStream {
     /// Opens a file.
     ///
     /// # Errors
     /// [`Error::Io`] when it cannot be opened; [`Error::Invalid`] when it is no WAV file.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let file = File::open(path).map_err(|source| Error::io(path, source))?;
-        Self::new(BufReader::new(file), &path.display().to_string())
+        Self::new(Box::new(file), &path.display().to_string())
     }
-}
 
-impl<R: Read> WavStream<R> {
-    /// Reads the header of a stream that `origin` names in errors.
-    ///
-    /// # Errors
-    /// As [`WavStream::open`].
-    pub fn new(stream: R, origin: &str) -> Result<Self, Error> {
-        let reader = WavReader::new(stream).map_err(|error| of_hound(Path::new(origin), error))?;
-        let spec = reader.spec();
+    /// Reads the header of a source that `origin` names in errors.
+    fn new(source: Box<dyn MediaSource>, origin: &str) -> Result<Self, Error> {
         let refuse = |field: &str, problem: String, remedy: &str| {
-            Err(Error::invalid(origin, field, problem, remedy))
+            Error::invalid(origin, field, problem, remedy)
         };
-        if !(1..=MOST_CHANNELS).contains(&spec.channels) {
-            return refuse(
-                "channels",
-                format!("there are {}", spec.channels),
-                "export 1 to 64",
-            );
+        let most = source.byte_len().unwrap_or(u64::MAX);
+        let source = MediaSourceStream::new(source, Default::default());
+        let reader = WavReader::try_new(source, Default::default())
+            .map_err(|error| damaged(origin, &error))?;
+        let track = reader.default_track(TrackType::Audio);
+        let codec = track
+            .and_then(|track| track.codec_params.as_ref()?.audio().cloned())
+            .ok_or_else(|| refuse("WAV format", "holds no sound".into(), "export it again"))?;
+        let Some(length) = track.and_then(|track| track.num_frames) else {
+            let remedy = "write a whole file, not through a pipe, or convert it once more";
+            return Err(refuse("WAV format", "tells no length".into(), remedy));
+        };
+        let channels = codec
+            .channels
+            .as_ref()
+            .map_or(0, |channels| channels.count());
+        if !(1..=usize::from(MOST_CHANNELS)).contains(&channels) {
+            let problem = format!("there are {channels}");
+            return Err(refuse("channels", problem, "export 1 to 64"));
         }
-        if spec.sample_rate == 0 {
-            return refuse(
-                "sample rate",
-                "is 0 Hz".to_owned(),
-                "repair the file's header",
-            );
+        let rate_hz = f64::from(codec.sample_rate.unwrap_or_default());
+        if rate_hz == 0.0 {
+            let remedy = "repair the file's header";
+            return Err(refuse("sample rate", "is 0 Hz".into(), remedy));
         }
+        // No sample takes less than a byte.
+        if length > most {
+            let problem = format!("its {most} bytes do not hold the {length} frames of its header");
+            let remedy = "write a whole file, not through a pipe, or export it again";
+            return Err(refuse("samples", problem, remedy));
+        }
+        let decoder = get_codecs()
+            .make_audio_decoder(&codec, &AudioDecoderOptions::default())
+            .map_err(|error| damaged(origin, &error))?;
         Ok(Self {
             reader,
+            decoder,
             origin: origin.to_owned(),
-            spec,
+            rate_hz,
+            channels,
+            length,
             frames: 0,
+            decoded: Vec::new(),
+            taken: 0,
+            found: 0,
         })
     }
 
     /// Sample rate of the header in Hz.
     pub fn rate_hz(&self) -> f64 {
-        f64::from(self.spec.sample_rate)
+        self.rate_hz
     }
 
     /// Number of channels.
     pub fn channels(&self) -> usize {
-        usize::from(self.spec.channels)
+        self.channels
     }
 
     /// Frames that the header promises.
     pub fn length(&self) -> u64 {
-        u64::from(self.reader.duration())
+        self.length
     }
 
-    /// Appends at most `frames` samples of a channel (the first is 1) to `samples`; fewer at the end of the stream.
+    /// Appends at most `frames` samples of a channel (the first is 1) to `samples`; fewer at the end of the file.
     ///
     /// # Errors
-    /// [`Error`] for a channel that is not there, a damaged file, or a sample that is not finite.
+    /// [`Error`] for a channel that is not there, a file that is damaged, ends before its header says or holds nothing,
+    /// or a sample that is not finite.
     pub fn read(
         &mut self,
         frames: usize,
         channel: usize,
         samples: &mut Vec<f32>,
     ) -> Result<usize, Error> {
-        let channels = self.channels();
+        let channels = self.channels;
         if !(1..=channels).contains(&channel) {
             let problem = format!("there is no channel {channel}");
             let remedy = format!("give 1 to {channels}");
             return Err(Error::invalid(&self.origin, "channel", problem, remedy));
         }
         let before = samples.len();
-        let place = channel - 1;
-        let read = match self.spec.sample_format {
-            SampleFormat::Float => {
-                let values = self.reader.samples::<f32>().take(frames * channels);
-                take_channel(values, channels, place, |value| value, samples)
-            }
-            SampleFormat::Int => {
-                let scale = 0.5_f64.powi(i32::from(self.spec.bits_per_sample) - 1);
-                let values = self.reader.samples::<i32>().take(frames * channels);
-                let scaled = |value: i32| (f64::from(value) * scale) as f32;
-                take_channel(values, channels, place, scaled, samples)
-            }
-        };
-        read.map_err(|error| of_hound(Path::new(&self.origin), error))?;
+        while samples.len() - before < frames && self.decode()? {
+            let wanted = (frames - (samples.len() - before)) * channels;
+            let end = self.decoded.len().min(self.taken + wanted);
+            let fresh = self.decoded[self.taken..end].iter().skip(channel - 1);
+            samples.extend(fresh.step_by(channels).map(|&sample| sample as f32));
+            self.taken = end;
+        }
         let fresh = &samples[before..];
         if let Some(place) = fresh.iter().position(|sample| !sample.is_finite()) {
             let problem = format!(
@@ -120,57 +146,87 @@ impl<R: Read> WavStream<R> {
         self.frames += fresh.len() as u64;
         Ok(fresh.len())
     }
+
+    /// Makes some decoded frames ready; false at the end.
+    fn decode(&mut self) -> Result<bool, Error> {
+        while self.taken == self.decoded.len() {
+            let damaged = |error: SymphoniaError| damaged(&self.origin, &error);
+            let Some(packet) = self.reader.next_packet().map_err(damaged)? else {
+                return self.check_end().map(|()| false);
+            };
+            let sound = self.decoder.decode(&packet).map_err(damaged)?;
+            self.decoded.resize(sound.samples_interleaved(), 0.0);
+            sound.copy_to_slice_interleaved(&mut self.decoded);
+            self.taken = 0;
+            self.found += (self.decoded.len() / self.channels) as u64;
+            if self.found > self.length {
+                return self.check_end().map(|()| false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Refuses a file with another number of frames than its header promises, or none.
+    fn check_end(&self) -> Result<(), Error> {
+        if self.found != self.length {
+            let problem = format!("there are {}, its header says {}", self.found, self.length);
+            let remedy = "export it again";
+            return Err(Error::invalid(&self.origin, "samples", problem, remedy));
+        }
+        if self.found == 0 {
+            let remedy = "record again";
+            return Err(Error::invalid(
+                &self.origin,
+                "samples",
+                "there are none",
+                remedy,
+            ));
+        }
+        Ok(())
+    }
 }
 
-/// Appends every `channels`-th value.
-fn take_channel<T>(
-    values: impl Iterator<Item = Result<T, hound::Error>>,
-    channels: usize,
-    place: usize,
-    scale: impl Fn(T) -> f32,
-    samples: &mut Vec<f32>,
-) -> Result<(), hound::Error> {
-    for (index, value) in values.enumerate() {
-        match value {
-            Ok(value) if index % channels == place => samples.push(scale(value)),
-            Ok(_) => {}
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(())
+fn damaged(origin: &str, error: &SymphoniaError) -> Error {
+    let remedy = "write a whole file of 32-bit float or 16-bit PCM, not through a pipe";
+    Error::invalid(origin, "WAV format", error, remedy)
 }
 
 /// Reads a mono WAV file of the given rate.
 ///
 /// # Errors
-/// [`Error::Io`] when the file cannot be opened; [`Error::Invalid`] when it is no WAV file, has several channels,
-/// another rate, or samples that are not finite.
+/// [`Error::Io`] when the file cannot be opened, otherwise those of [`parse`].
 pub fn read(path: &Path, sample_rate_hz: f64) -> Result<Vec<f32>, Error> {
-    let mut stream = WavStream::open(path)?;
-    let refuse = |field: &str, problem: String, remedy: &str| {
-        Err(Error::invalid(path.display(), field, problem, remedy))
-    };
+    whole(WavStream::open(path)?, sample_rate_hz)
+}
+
+/// Reads the bytes of a mono WAV file of the given rate; `origin` names it in errors.
+///
+/// # Errors
+/// [`Error::Invalid`] when they are no WAV file, end before its lengths say, hold several channels, another rate, no
+/// sample, or samples that are not finite.
+pub fn parse(bytes: Vec<u8>, sample_rate_hz: f64, origin: &str) -> Result<Vec<f32>, Error> {
+    let stream = WavStream::new(Box::new(Cursor::new(bytes)), origin)?;
+    whole(stream, sample_rate_hz)
+}
+
+fn whole(mut stream: WavStream, sample_rate_hz: f64) -> Result<Vec<f32>, Error> {
     if stream.channels() != 1 {
         let problem = format!("there are {}", stream.channels());
-        return refuse("channels", problem, "export one channel");
+        let remedy = "export one channel";
+        return Err(Error::invalid(&stream.origin, "channels", problem, remedy));
     }
-    check_rate(path, stream.rate_hz(), sample_rate_hz)?;
+    check_rate(&stream.origin, stream.rate_hz(), sample_rate_hz)?;
     let mut samples = Vec::new();
     while stream.read(1 << 16, 1, &mut samples)? > 0 {}
     Ok(samples)
 }
 
 /// Refuses a header's rate, whole hertz, that is not the one that recording.json gives.
-pub(crate) fn check_rate(path: &Path, header_hz: f64, sample_rate_hz: f64) -> Result<(), Error> {
+pub(crate) fn check_rate(origin: &str, header_hz: f64, sample_rate_hz: f64) -> Result<(), Error> {
     if (header_hz - sample_rate_hz).abs() <= 0.5 {
         return Ok(());
     }
     let problem = format!("{header_hz} Hz, but recording.json says {sample_rate_hz} Hz");
     let remedy = "correct sample_rate_hz in recording.json, or leave it out";
-    Err(Error::invalid(
-        path.display(),
-        "sample rate",
-        problem,
-        remedy,
-    ))
+    Err(Error::invalid(origin, "sample rate", problem, remedy))
 }

@@ -46,9 +46,10 @@ use self::shared::{Levels, Weights};
 use self::slf::Slf;
 use self::sweep::{Sweep, SweepVector};
 use self::vector::Plain;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(fuzzing)))]
 use self::vector::{Avx, Avx512};
 use super::super::step::StepForcing;
+#[cfg(all(target_arch = "x86_64", not(fuzzing)))]
 use super::instructions::InstructionSet;
 use super::line::Line;
 use super::plan::Plan;
@@ -111,27 +112,27 @@ pub(super) unsafe fn run_tile(
     // SAFETY: the caller's promise; the instruction set was detected on this machine.
     unsafe {
         match (plan.instructions, plan.setup.scheme) {
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
             (InstructionSet::Avx512, Scheme::Slf) => {
                 avx512_slf(plan, shared, tile, steps, sums, fronts)
             }
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
             (InstructionSet::Avx512, Scheme::M13 | Scheme::O13) => {
                 avx512_m13(plan, shared, tile, steps, sums, fronts);
             }
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
             (InstructionSet::Avx512, Scheme::D25) => {
                 avx512_d25(plan, shared, tile, steps, sums, fronts)
             }
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
             (InstructionSet::Avx2, Scheme::Slf) => {
                 avx2_slf(plan, shared, tile, steps, sums, fronts)
             }
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
             (InstructionSet::Avx2, Scheme::M13 | Scheme::O13) => {
                 avx2_m13(plan, shared, tile, steps, sums, fronts);
             }
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
             (InstructionSet::Avx2, Scheme::D25) => {
                 avx2_d25(plan, shared, tile, steps, sums, fronts)
             }
@@ -146,7 +147,8 @@ pub(super) unsafe fn run_tile(
 
 macro_rules! instantiate {
     ($name:ident, $vector:ty, $sweep:ty, $features:literal) => {
-        #[cfg(target_arch = "x86_64")]
+        // A fuzzer with a sanitizer would take minutes to compile what no parser calls.
+        #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
         #[target_feature(enable = $features)]
         unsafe fn $name(
             plan: &Plan,

@@ -151,6 +151,7 @@ macro_rules! number {
 
 /// Eight numbers in an AVX register. Only made inside functions compiled for AVX2 and FMA.
 #[cfg(target_arch = "x86_64")]
+#[cfg_attr(fuzzing, expect(dead_code, reason = "its kernels are left out"))]
 #[derive(Clone, Copy)]
 pub(super) struct Avx(std::arch::x86_64::__m256);
 
@@ -231,6 +232,7 @@ mod avx {
 
 /// Sixteen numbers in an AVX-512 register. Only made inside functions compiled for AVX-512.
 #[cfg(target_arch = "x86_64")]
+#[cfg_attr(fuzzing, expect(dead_code, reason = "its kernels are left out"))]
 #[derive(Clone, Copy)]
 pub(super) struct Avx512(std::arch::x86_64::__m512);
 

@@ -27,9 +27,9 @@ use crate::run::progress::Board;
 #[command(
     after_help = "Example:\n  echolot slam recordings/drive -o drive.tum --map-out maps/room --figure map.png\n  \
     echolot localize recordings/other --map maps/room --method landmarks -o other.tum\n\n\
-    The map's frame is that of the start: the truth at time 0, the start of recording.json, or the origin. Truth serves \
-    nothing else but the error that is printed. A table with covariance and status is written beside EST.tum; blocks \
-    that are not to be trusted are lost there."
+    The map's frame is that of the start: the truth at time 0, the start of recording.json, or the origin. Truth \
+    serves nothing else but the error that is printed. A table with covariance and status is written beside \
+    EST.tum; blocks that are not to be trusted are lost there."
 )]
 pub(crate) struct Arguments {
     /// Recording folder.

@@ -182,7 +182,8 @@ impl WallCells {
         (face > 0.0).then_some([x as usize, y as usize])
     }
 
-    /// Open fractions of a cell at any place, full outside the grid; `None` for a solid cell. Faces to solid cells are closed.
+    /// Open fractions of a cell at any place, full outside the grid; none for a solid cell. Faces to solid
+    /// cells are closed.
     pub(crate) fn cut_cell(&self, ix: isize, iy: isize) -> Option<CutCell> {
         let mask = &self.solid;
         let solid = |x, y| mask.index(x, y).is_some_and(|cell| mask.cells[cell]);

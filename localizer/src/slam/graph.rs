@@ -214,8 +214,8 @@ impl Graph {
         self.passing = (PASSING_MARGIN * mean).sqrt().clamp(least, most);
     }
 
-    /// What the wheels lack over the usual, the most of: always; for a while, root mean square over the whole drive; the
-    /// same over the last seconds.
+    /// What the wheels lack over the usual, the most of: always; for a while, root mean square over the whole drive;
+    /// the same over the last seconds.
     pub(super) fn strain(&self) -> f64 {
         let squares = |node: &[f64; STATES]| {
             let parts = [0, 1].map(|k| (node[3 + k] / PASSING[k]).powi(2));

@@ -121,7 +121,8 @@ impl CodeMeter {
         }
     }
 
-    /// Share of the moving blocks in which the code is; `None` when the robot never moves. White noise, another code and
+    /// Share of the moving blocks in which the code is; `None` when the robot never moves. White noise, another
+    /// code and
     /// another carrier give 0.
     pub fn share(&self) -> Option<f64> {
         (self.moving > 0).then(|| self.with_code as f64 / self.moving as f64)

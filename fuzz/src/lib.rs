@@ -1,8 +1,8 @@
 //! Mutations of files, by which the targets in `tests/` reach past the first byte that a parser looks at.
 //!
 //! A mutated file is one of the seeds after a few edits: flipped bits, numbers and words that parsers stumble over,
-//! parts left out, doubled, moved from another seed, or cut off. Which edits, the fuzzer decides: every engine of `bolero`,
-//! coverage-guided ones included, searches among them.
+//! parts left out, doubled, moved from another seed, or cut off. Which edits, the fuzzer decides: every engine of
+//! `bolero`, coverage-guided ones included, searches among them.
 
 /// An edit: where, which, and a number that it uses.
 pub type Edit = (u32, u8, u32);

@@ -1,9 +1,9 @@
 //! Every parser against mutated files: none panics, takes more than a second, or more than 1 GiB of memory.
 //!
 //! Plain `cargo test` runs each target for two seconds on the files of `corpus/` and mutations of them. `make fuzz`
-//! runs as many inputs as one likes; the variables of `bolero` (`BOLERO_RANDOM_ITERATIONS`, `BOLERO_RANDOM_TEST_TIME_MS`,
-//! `BOLERO_RANDOM_SEED`) and its other engines work too. Under `--cfg fuzzing` the field's kernels are left out, which
-//! take most of the time to compile.
+//! runs as many inputs as one likes; the variables of `bolero` (`BOLERO_RANDOM_ITERATIONS`,
+//! `BOLERO_RANDOM_TEST_TIME_MS`, `BOLERO_RANDOM_SEED`) and its other engines work too. Under `--cfg fuzzing` the field's
+//! kernels are left out, which take most of the time to compile.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};

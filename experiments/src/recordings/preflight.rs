@@ -134,11 +134,11 @@ mod tests {
                 "waveform.carrier_hz",
             ),
             ("\"c_mps\": 340", "\"c_mps\": 425", "medium.c_mps"),
-            ("40000,", "40000.000001,", "sample_rate_hz"),
-            ("[0.0, 0.0]", "[100.0, 0.0]", "robot.microphone_offset_m[0]"),
+            ("40000,", "40002,", "sample_rate_hz"),
+            ("[0.0, 0.0]", "[100.0, 0.0]", "the microphone at"),
             (
-                "\"omega_radps\": 0.1}]",
-                "\"omega_radps\": 12}]",
+                "\"heading_rad\": 0.0, \"omega_radps\": 0.1",
+                "\"heading_rad\": 0.0, \"omega_radps\": 12",
                 "paths.drive",
             ),
         ] {

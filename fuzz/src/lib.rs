@@ -2,11 +2,7 @@
 //!
 //! A mutated file is one of the seeds after a few edits: flipped bits, numbers and words that parsers stumble over,
 //! parts left out, doubled, moved from another seed, or cut off. Which edits, the fuzzer decides: every engine of
-<<<<<<< HEAD
 //! `bolero`, coverage-guided ones included, searches among them.
-=======
-//! `bolero`, coverage-guided ones included, searches among them.
->>>>>>> safe
 
 /// An edit: where, which, and a number that it uses.
 pub type Edit = (u32, u8, u32);

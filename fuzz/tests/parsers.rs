@@ -2,8 +2,8 @@
 //!
 //! Plain `cargo test` runs each target for two seconds on the files of `corpus/` and mutations of them. `make fuzz`
 //! runs as many inputs as one likes; the variables of `bolero` (`BOLERO_RANDOM_ITERATIONS`,
-//! `BOLERO_RANDOM_TEST_TIME_MS`, `BOLERO_RANDOM_SEED`) and its other engines work too. Under `--cfg fuzzing` the field's
-//! kernels are left out, which take most of the time to compile.
+//! `BOLERO_RANDOM_TEST_TIME_MS`, `BOLERO_RANDOM_SEED`) and its other engines work too. Under `--cfg fuzzing` the
+//! field's kernels are left out, which take most of the time to compile.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -96,12 +96,7 @@ pub fn draw(shown: &Localization<'_>, picture: &Path) -> Result<()> {
             .collect();
         for (row, points, label, name) in [
             (0, &errors, "error [m]", "(b) distance from the truth"),
-            (
-                1,
-                &fit,
-                "share",
-                "(c) fit: effective share of the particles",
-            ),
+            (1, &fit, "share", "(c) effective share of the particles"),
         ] {
             let top = 130.0 + 450.0 * f64::from(row);
             let frame = [1190.0, top, 1850.0, top + 330.0];

@@ -1,6 +1,7 @@
 //! The papers' studies: recordings are simulated, localized and measured; data files are drawn and checked. The command
 //! line tool `echolot` is in [`cli`].
 
+pub mod ape_rpe;
 pub mod bag;
 pub mod bench;
 pub mod check;
@@ -9,6 +10,7 @@ pub mod data;
 pub mod figures;
 pub mod inspection;
 pub mod metrics;
+pub mod papers;
 pub mod recordings;
 pub mod run;
 pub mod schedule;

@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::output::{print, print_json};
 use crate::data::table::aligned;
-use crate::study::STUDIES;
+use crate::papers::STUDIES;
 
 /// Arguments of `list`.
 #[derive(Debug, clap::Args)]
@@ -14,7 +14,7 @@ pub(crate) struct Arguments {}
 impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
-        let presets = |study: &crate::study::Study| -> Vec<&str> {
+        let presets = |study: &crate::papers::Study| -> Vec<&str> {
             study.presets.iter().map(|preset| preset.name()).collect()
         };
         if json {

@@ -4,6 +4,7 @@ mod alignment;
 mod arguments;
 mod bench;
 mod check;
+mod compare;
 mod estimates;
 mod figures;
 mod import;
@@ -19,6 +20,8 @@ mod run;
 mod scene;
 mod simulate;
 mod slam;
+mod study;
+mod tasks;
 mod track;
 mod transmit;
 mod trust;
@@ -64,8 +67,18 @@ enum Command {
     Slam(slam::Arguments),
     /// Follow the robot live: sound on standard input, odometry beside it, poses on standard output.
     Track(track::Arguments),
-    /// Run the papers' studies.
+    /// Run study files, or the papers' studies.
     Run(run::Arguments),
+    /// Check or draw a study file, or print the schema of study files.
+    Study(study::Arguments),
+    /// List the tasks of a study.
+    Plan(tasks::PlanArguments),
+    /// Do tasks of a study, beside other workers.
+    Task(tasks::TaskArguments),
+    /// Write the results of a study whose tasks are done.
+    Gather(tasks::GatherArguments),
+    /// Compare two results of a study, trial by trial.
+    Compare(compare::Arguments),
     /// Draw the figures from data files.
     Figures(figures::Arguments),
     /// Compare a summary with the baseline (quick) or the papers' claims (paper).
@@ -101,6 +114,11 @@ impl Cli {
             Command::Slam(arguments) => arguments.run(json),
             Command::Track(arguments) => arguments.run(),
             Command::Run(arguments) => arguments.run(json),
+            Command::Study(arguments) => arguments.run(json),
+            Command::Plan(arguments) => arguments.run(json),
+            Command::Task(arguments) => arguments.run(),
+            Command::Gather(arguments) => arguments.run(json),
+            Command::Compare(arguments) => arguments.run(json),
             Command::Figures(arguments) => arguments.run(json),
             Command::Check(arguments) => arguments.run(json),
             Command::Bench(arguments) => arguments.run(json),

@@ -1,44 +1,58 @@
 //! `echolot run`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 
-use super::arguments::{EngineArguments, ParameterArguments, threads};
+use super::arguments::{ForceArgument, ParameterArguments, threads};
 use super::output::{print, print_json};
-
 use crate::check::report;
 use crate::check::targets::Targets;
 use crate::check::verdicts::judge;
+use crate::data::place::Place;
 use crate::figures;
+use crate::papers::{PaperSession, Request, STUDIES, Study as PaperStudy, run};
+use crate::recordings::spec::{Engine, IMAGE_ORDER};
 use crate::run::preset::Preset;
-use crate::session::{Request, Session};
-use crate::study::{STUDIES, Study, run};
+use crate::session::Workspace;
+use crate::study::{self, Plan, Study, StudySummary};
 use crate::summary::table;
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  echolot run --preset paper\n  echolot run odometry-drift snr --preset paper\n\n\
+    after_help = "Example:\n  echolot run my_study.json --dry-run\n  echolot run my_study.json\n  \
+    echolot run studies/ensemble.json --only 'scene=random open' --engine image-source\n  \
+    echolot run odometry-drift snr --preset paper\n\n\
     Recordings and trials are cached: what is there is not computed again, and an interrupted run goes on where \
-    it stopped. \
-    `echolot list` names the studies."
+    it stopped. A study file says what is simulated, what varies and what is claimed (docs/how-to/new-study.md); \
+    its results lie in a folder of its name. `echolot list` names the papers' studies."
 )]
 pub(crate) struct Arguments {
-    /// Studies; those of the preset unless given.
+    /// Study files or folders of them, or names of the papers' studies; those of the preset unless given.
     #[arg(value_name = "STUDY")]
     studies: Vec<String>,
-    /// Size of the run.
-    #[arg(long, value_enum, default_value_t = Preset::Paper)]
-    preset: Preset,
+    /// Size of the papers' studies [default: paper].
+    #[arg(long, value_enum)]
+    preset: Option<Preset>,
+    /// Cells of a study file by their values; all unless given.
+    #[arg(long, value_name = "NAME=VALUE")]
+    only: Vec<String>,
+    /// Print the plan of study files and stop: recordings to simulate, trials, time and memory.
+    #[arg(long)]
+    dry_run: bool,
     /// Folder of the results.
     #[arg(long, value_name = "DIR", default_value = "results")]
     results: PathBuf,
     /// Folder of the cache; `cache` in the results folder unless given.
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
-    #[command(flatten)]
-    engine: EngineArguments,
+    /// Engine: the field, or image sources (approximate, seconds) [default: that of the study file, else fdtd].
+    #[arg(long, value_enum)]
+    engine: Option<Engine>,
+    /// Most reflections of an echo by image sources [default: 2].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=6))]
+    image_order: Option<u8>,
     /// Threads; 0 takes all.
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = threads)]
     threads: usize,
@@ -51,17 +65,19 @@ pub(crate) struct Arguments {
     no_figures: bool,
     #[command(flatten)]
     parameters: ParameterArguments,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
-/// The studies with these names, or those of the preset, in their own order.
-fn chosen(names: &[String], preset: Preset) -> Result<Vec<&'static Study>> {
+/// The papers' studies with these names, or those of the preset, in their own order.
+fn chosen(names: &[String], preset: Preset) -> Result<Vec<&'static PaperStudy>> {
     if let Some(name) = names
         .iter()
         .find(|name| STUDIES.iter().all(|study| study.name != **name))
     {
         let known: Vec<&str> = STUDIES.iter().map(|study| study.name).collect();
         bail!(
-            "study: {name}: is not known; choose from {}",
+            "study: {name}: is not known; give a study file (.json), or choose from {}",
             known.join(", ")
         );
     }
@@ -74,29 +90,161 @@ fn chosen(names: &[String], preset: Preset) -> Result<Vec<&'static Study>> {
         .collect())
 }
 
+/// Whether a name is that of a study file or a folder of them.
+fn is_file(name: &String) -> bool {
+    name.ends_with(".json") || Path::new(name).is_dir()
+}
+
+/// The study files that are named, those of folders in the order of their names.
+fn files(names: &[String]) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for name in names {
+        let path = PathBuf::from(name);
+        if !path.is_dir() {
+            files.push(path);
+            continue;
+        }
+        let mut found = Vec::new();
+        for entry in std::fs::read_dir(&path).with_context(|| name.clone())? {
+            let file = entry.with_context(|| name.clone())?.path();
+            if file.extension().is_some_and(|ending| ending == "json")
+                && !file.to_string_lossy().ends_with(".schema.json")
+            {
+                found.push(file);
+            }
+        }
+        if found.is_empty() {
+            bail!("{name}: holds no study file; name a folder with .json files");
+        }
+        found.sort();
+        files.extend(found);
+    }
+    Ok(files)
+}
+
+/// Checks the folder of a study's results: nobody else's summary is in it.
+pub(super) fn check_place(results: &Path, file: &Path, force: bool) -> Result<()> {
+    Place {
+        inputs: vec![file.to_path_buf()],
+        ..Place::of(results.join("summary.json"), force)
+    }
+    .file(|bytes| serde_json::from_slice::<StudySummary>(bytes).is_ok())
+}
+
 impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
-        let studies = chosen(&self.studies, self.preset)?;
         if self.threads > 0 {
             rayon::ThreadPoolBuilder::new()
                 .num_threads(self.threads)
                 .build_global()?;
         }
-        let session = Session::open(&Request {
-            preset: self.preset,
-            cache: self.cache.unwrap_or_else(|| self.results.join("cache")),
-            results: self.results,
-            engine: self.engine.engine,
-            image_order: self.engine.image_order()?,
+        match self.studies.iter().any(is_file) {
+            true => self.run_files(json),
+            false => self.run_papers(json),
+        }
+    }
+
+    /// Most reflections of an image source's echo.
+    fn image_order(&self, engine: Engine) -> Result<u8> {
+        match self.image_order {
+            Some(order) if engine == Engine::Fdtd => bail!(
+                "--image-order {order}: is for image sources, the field has all reflections; add --engine \
+                image-source or leave it out"
+            ),
+            order => Ok(order.unwrap_or(IMAGE_ORDER)),
+        }
+    }
+
+    /// Folder of the cache.
+    fn cache(&self) -> PathBuf {
+        let own = self.cache.clone();
+        own.unwrap_or_else(|| self.results.join("cache"))
+    }
+
+    /// Runs study files.
+    fn run_files(self, json: bool) -> Result<()> {
+        if let Some(name) = self.studies.iter().find(|name| !is_file(name)) {
+            bail!(
+                "study: {name}: is no file; run study files and the papers' studies one after the other"
+            );
+        }
+        if self.preset.is_some() || self.parameters.parameters.is_some() {
+            bail!(
+                "--preset and --parameters: are for the papers' studies; put values into the study file's `set` \
+                instead"
+            );
+        }
+        let mut studies = Vec::new();
+        for file in files(&self.studies)? {
+            let mut study = Study::load(&file)?;
+            match self.engine {
+                Some(engine) => study.set_engine(engine, self.image_order(engine)?)?,
+                None if self.image_order.is_some() => {
+                    bail!("--image-order: says nothing without --engine image-source; add it")
+                }
+                None => {}
+            }
+            if !self.dry_run {
+                let results = self.results.join(&study.file.name);
+                check_place(&results, &file, self.force.force)?;
+            }
+            studies.push(study);
+        }
+        let workspace = Workspace::new(self.cache(), self.side_by_side);
+        let mut summaries = Vec::new();
+        for study in &studies {
+            let plan = Plan::new(study, &self.only, &workspace)
+                .with_context(|| format!("study {}", study.file.name))?;
+            let text = plan.text(study, &workspace)?;
+            if self.dry_run {
+                let cells = study
+                    .cells
+                    .iter()
+                    .map(|cell| format!("  {}\n", cell.name()));
+                print(&format!("{text}{}", cells.collect::<String>()))?;
+                continue;
+            }
+            eprint!("{text}");
+            let results = self.results.join(&study.file.name);
+            let summary = study::run(study, &plan, &workspace, &results)?;
+            if !self.no_figures {
+                figures::study::draw(study, &results)?;
+            }
+            if !json {
+                print(&study::table(&summary))?;
+                eprintln!("results in {}", results.display());
+            }
+            summaries.push(summary);
+        }
+        match json && !self.dry_run {
+            true => print_json(&summaries),
+            false => Ok(()),
+        }
+    }
+
+    /// Runs studies of the papers.
+    fn run_papers(self, json: bool) -> Result<()> {
+        if self.dry_run || !self.only.is_empty() {
+            bail!("--dry-run and --only: are for study files; name one");
+        }
+        let preset = self.preset.unwrap_or(Preset::Paper);
+        let studies = chosen(&self.studies, preset)?;
+        let engine = self.engine.unwrap_or(Engine::Fdtd);
+        let session = PaperSession::open(&Request {
+            preset,
+            cache: self.cache(),
+            engine,
+            image_order: usize::from(self.image_order(engine)?),
             parameters: self.parameters.read()?,
             side_by_side: self.side_by_side,
+            results: self.results,
         })?;
         let summary = run(&session, &studies)?;
         if !self.no_figures {
             figures::draw_all(session.results())?;
         }
-        if self.preset == Preset::Paper {
+        if preset == Preset::Paper {
             let targets = Targets::load()?;
             let judged = judge(&targets, &summary)?;
             report::write(session.results(), &targets, &judged, &summary)?;

@@ -7,6 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 
+use super::lease::{Asked, Lease};
 use super::{atomic, manifest};
 use localizer::io::temporary;
 
@@ -125,8 +126,21 @@ impl Cache {
             .join(format!("{key}.checkpoint"))
     }
 
+    /// Asks for the lease of the task that makes an entry.
+    ///
+    /// # Errors
+    /// When the cache cannot be written.
+    pub fn lease(&self, key: &str) -> Result<Asked> {
+        Lease::ask(&self.folder.join("leases").join(format!("{key}.json")))
+    }
+
     fn entry(&self, kind: &str, key: &str) -> PathBuf {
         self.folder.join(kind).join(format!("{key}.json"))
+    }
+
+    /// Whether there is a value with this key, whole or damaged.
+    pub fn has(&self, kind: &str, key: &str) -> bool {
+        self.entry(kind, key).exists()
     }
 
     /// A cached value; `None` when it is missing or damaged. A damaged one is told of on standard error.

@@ -6,6 +6,7 @@ pub mod estimate;
 pub mod field_frame;
 pub mod json;
 pub mod layout;
+pub mod lease;
 pub mod manifest;
 pub mod peaks;
 pub mod place;

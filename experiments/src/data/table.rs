@@ -34,6 +34,11 @@ impl Table {
         self.rows.push(cells);
     }
 
+    /// The names of the columns.
+    pub fn header(&self) -> &[String] {
+        &self.header
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.rows.len()

@@ -13,7 +13,18 @@ pub struct Noise {
     pub trial: u64,
 }
 
+/// Added to the number of a noise for that of the mapping drive, so that both drives have samples of their own.
+const OF_MAPPING: u64 = 1 << 32;
+
 impl Noise {
+    /// The noise of the mapping drive that goes with this one of the localization drive.
+    pub fn of_mapping(self) -> Self {
+        Self {
+            trial: self.trial + OF_MAPPING,
+            ..self
+        }
+    }
+
     /// Samples of variance 1.
     pub fn samples(&self, length: usize) -> Vec<f64> {
         let mut random = random::stream(random::trial_seed("noise", "", self.trial), "microphone");

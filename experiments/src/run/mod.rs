@@ -3,4 +3,5 @@
 pub mod interrupt;
 pub mod preset;
 pub mod progress;
+pub mod project;
 pub mod provenance;

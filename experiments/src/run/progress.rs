@@ -11,6 +11,7 @@ use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 const LINE_PERIOD: Duration = Duration::from_secs(60);
 
 /// The bars of one command, one below the other.
+#[derive(Clone)]
 pub struct Board {
     bars: MultiProgress,
     terminal: bool,

@@ -9,13 +9,14 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow};
 
 use self::concurrency::Concurrency;
 use crate::data::atomic;
 use crate::data::cache::Cache;
+use crate::data::lease::Asked;
 use crate::data::manifest::Manifest;
 use crate::recordings::recording::recording;
 use crate::recordings::simulate::{Checkpoint, RunOptions, signal};
@@ -25,6 +26,9 @@ use crate::run::progress::{Board, duration};
 
 pub use self::estimate::{Estimate, estimate, steps_per_second};
 pub use self::job::Job;
+
+/// Pause before a job that another worker has is looked at again.
+const LOOK_AGAIN: Duration = Duration::from_millis(200);
 
 /// Simulates the jobs and puts their recordings into the cache, at most `side_by_side` at a time on `threads` threads
 /// in all; without a number, one or two at a time, whichever a short measurement predicts to end sooner. Interrupted
@@ -75,6 +79,9 @@ pub fn run(
     }
     order.extend(quick.into_iter().map(|job| (0.0, job)));
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let total = order.len() as u64;
+    let all = (total > 2).then(|| board.task("simulations", total));
+    let ended = AtomicUsize::new(0);
     let queue: Mutex<VecDeque<&Job>> = Mutex::new(order.into_iter().map(|(_, job)| job).collect());
     let failures: Mutex<Vec<anyhow::Error>> = Mutex::default();
     let spare = AtomicUsize::new(0);
@@ -93,10 +100,25 @@ pub fn run(
                         freed: Some(&freed),
                         ..RunOptions::default()
                     };
-                    if let Err(error) = simulate(job, cache, options, board)
-                        && let Ok(mut failures) = failures.lock()
-                    {
-                        failures.push(error.context(format!("simulation of {}", job.label)));
+                    match leased(job, cache, options, board) {
+                        Ok(true) => {}
+                        Ok(false) => {
+                            // Another worker is at it: behind all others, and looked at again.
+                            std::thread::sleep(LOOK_AGAIN);
+                            if let Ok(mut queue) = queue.lock() {
+                                queue.push_back(job);
+                            }
+                            continue;
+                        }
+                        Err(error) => {
+                            if let Ok(mut failures) = failures.lock() {
+                                failures
+                                    .push(error.context(format!("simulation of {}", job.label)));
+                            }
+                        }
+                    }
+                    if let Some(all) = &all {
+                        all.set(ended.fetch_add(1, Ordering::Relaxed) as u64 + 1);
                     }
                 }
                 // A worker without a job leaves its threads to those that have one.
@@ -122,6 +144,29 @@ fn next<'a>(
         return None;
     }
     queue.lock().ok()?.pop_front()
+}
+
+/// The sound of a job, which is not kept: to measure how long it takes.
+///
+/// # Errors
+/// When the scene does not run.
+pub fn sound(job: &Job) -> Result<Vec<f32>> {
+    let task = Board::new().task(&job.label, 1);
+    signal(&job.scene, &job.spec, &RunOptions::default(), &task)
+}
+
+/// Simulates one job into the cache under its lease; false while another worker has it.
+fn leased(job: &Job, cache: &Cache, options: RunOptions<'_>, board: &Board) -> Result<bool> {
+    let Asked::Held(lease) = cache.lease(&job.key)? else {
+        // It may have ended since, or be dead soon.
+        return Ok(cache.recording(&job.key).is_dir() && cache.has_recording(&job.key));
+    };
+    // Another worker may have been quicker between our look into the cache and now.
+    if !cache.recording(&job.key).is_dir() || !cache.has_recording(&job.key) {
+        simulate(job, cache, options, board)?;
+    }
+    drop(lease);
+    Ok(true)
 }
 
 /// Simulates one job into the cache.
@@ -155,7 +200,10 @@ fn simulate(job: &Job, cache: &Cache, options: RunOptions<'_>, board: &Board) ->
     })?;
     remove(&checkpoint.path)?;
     task.finish();
-    board.say(format!("simulated {} in {}", job.label, duration(seconds)));
+    // Image sources take seconds each, and a study has hundreds.
+    if job.spec.engine == Engine::Fdtd {
+        board.say(format!("simulated {} in {}", job.label, duration(seconds)));
+    }
     Ok(())
 }
 

@@ -9,6 +9,7 @@ use localizer::image::{MapImage, map_builder};
 use localizer::{EchoSequence, Parameters, Recording, echo};
 
 use super::recordings::Recordings;
+use crate::recordings::noise::Noise;
 use crate::recordings::spec::RecordingSpec;
 
 /// Echoes and maps by recording and parameters.
@@ -37,9 +38,22 @@ impl Measurements {
     /// # Errors
     /// When the mapping recording is missing or cannot be measured.
     pub fn map(&self, scheme: Option<Scheme>, parameters: &Parameters) -> Result<Arc<MapImage>> {
+        self.noisy_map(scheme, None, parameters)
+    }
+
+    /// As [`Measurements::map`], from a mapping drive with noise.
+    ///
+    /// # Errors
+    /// As [`Measurements::map`].
+    pub fn noisy_map(
+        &self,
+        scheme: Option<Scheme>,
+        noise: Option<Noise>,
+        parameters: &Parameters,
+    ) -> Result<Arc<MapImage>> {
         let parameters = measurement_of(parameters, &self.base);
         let spec = self.recordings.spec("mapping", scheme);
-        let name = self.name_of(&spec, &parameters)?;
+        let name = format!("{} {noise:?}", self.name_of(&spec, &parameters)?);
         if let Some(map) = self
             .maps
             .lock()
@@ -48,7 +62,7 @@ impl Measurements {
         {
             return Ok(map);
         }
-        let recording = self.recordings.read(&spec, false)?;
+        let recording = self.recordings.noisy(&spec, noise)?;
         let sequence = echo::measure(&recording, &parameters)?;
         let map = Arc::new(map_of(&recording, &sequence)?);
         if let Ok(mut maps) = self.maps.lock() {

@@ -1,37 +1,50 @@
-//! A session: scene, parameters, recordings and measurements that the studies of one run share.
+//! A session: scene, parameters, recordings and measurements that trials on one scene share. Sessions of one run share a
+//! workspace.
 
 mod measurements;
 mod recordings;
-mod request;
+mod workspace;
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Result;
 use fdtd::scene::Scene;
 use localizer::Parameters;
-use localizer::io::temporary;
 
 use crate::data::cache::Cache;
 use crate::recordings::robot::Robot;
-use crate::recordings::waveform::parameters_of;
-use crate::run::preset::{Plan, Preset};
+use crate::recordings::spec::Engine;
 use crate::run::progress::Board;
-use crate::schedule::{self, Job};
+use crate::schedule::Job;
 
 pub use self::measurements::{Measurements, map_of, measurement_of};
 pub use self::recordings::{ANECHOIC, Recordings};
-pub use self::request::Request;
+pub use self::workspace::Workspace;
 
-/// All that the studies of one run share.
-pub struct Session {
-    /// The preset.
-    pub preset: Preset,
-    /// Cells of its studies.
-    pub plan: Plan,
+/// What a session is opened with: a scene and how its sound is made and recorded.
+#[derive(Debug, Clone)]
+pub struct Setup {
     /// The scene.
     pub scene: Arc<Scene>,
-    /// Parameters of the localizer at the preset's default window and periods.
+    /// The robot whose instruments the recordings get; ideal but for a steady error of the turn rate when `None`.
+    pub robot: Option<Robot>,
+    /// Parameters of the localizer, those of the scene's signal among them.
+    pub parameters: Parameters,
+    /// Engine that computes the sound.
+    pub engine: Engine,
+    /// Most reflections of an image source's echo.
+    pub image_order: usize,
+    /// Steady error of the ideal robot's turn rate, rad/s.
+    pub odometry_bias_radps: f64,
+    /// Prefix of the names of its simulations.
+    pub prefix: String,
+}
+
+/// Scene, parameters, recordings and measurements that trials share.
+pub struct Session {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// Parameters of the localizer where trials do not change them.
     pub parameters: Parameters,
     /// Recordings of the scene.
     pub recordings: Arc<Recordings>,
@@ -43,102 +56,40 @@ pub struct Session {
     pub cache: Cache,
     /// Threads to use.
     pub threads: usize,
-    request: Request,
-    results: PathBuf,
+    workspace: Workspace,
 }
 
 impl Session {
-    /// Loads the scene of the preset.
+    /// A session in a workspace.
     ///
     /// # Errors
-    /// When the scene file cannot be used or the parameters are refused.
-    pub fn open(request: &Request) -> Result<Self> {
-        let results = request.results.join(request.preset.name());
-        Self::with(request, request.preset.plan(), results)
-    }
-
-    /// The session of the experimental site: another scene and robot, results in the folder `site` of the preset's.
-    ///
-    /// # Errors
-    /// When the scene file or the robot file cannot be used.
-    pub fn site(&self) -> Result<Self> {
-        Self::with(
-            &self.request,
-            self.preset.site_plan(),
-            self.results.join("site"),
-        )
-    }
-
-    /// Loads the scene of a plan.
-    fn with(request: &Request, plan: Plan, results: PathBuf) -> Result<Self> {
-        let scene = Arc::new(Scene::load(&of_project(&plan.scene))?);
-        let robot = plan.robot.as_deref().map(of_project);
-        let robot = robot.as_deref().map(Robot::read).transpose()?;
-        let mut parameters = parameters_of(&scene, &request.parameters);
-        parameters.measurement.periods = plan.periods;
-        parameters.filter.window_half_width_m = plan.half_width_m;
-        parameters.check()?;
-        let cache = Cache::new(&request.cache);
-        for folder in [&results, &results.join("data"), &results.join("figures")] {
-            temporary::sweep(folder);
-        }
-        let recordings = Arc::new(Recordings::new(
-            Arc::clone(&scene),
-            robot,
-            &parameters,
-            request,
-            &plan,
-        ));
+    /// When the parameters are refused.
+    pub fn new(setup: Setup, workspace: &Workspace) -> Result<Self> {
+        setup.parameters.check()?;
+        let (scene, parameters) = (Arc::clone(&setup.scene), setup.parameters.clone());
+        let recordings = Arc::new(Recordings::new(setup, workspace));
         Ok(Self {
-            preset: request.preset,
-            plan,
             scene,
             measurements: Measurements::new(Arc::clone(&recordings), &parameters),
             parameters,
             recordings,
-            board: Board::new(),
-            cache,
-            threads: rayon::current_num_threads(),
-            results,
-            request: request.clone(),
+            board: workspace.board.clone(),
+            cache: workspace.cache.clone(),
+            threads: workspace.threads,
+            workspace: workspace.clone(),
         })
     }
 
-    /// Folder of the results of this preset.
-    pub fn results(&self) -> &Path {
-        &self.results
-    }
-
-    /// A data file of this preset.
-    pub fn data(&self, name: &str) -> PathBuf {
-        self.results.join("data").join(name)
-    }
-
-    /// Simulates into the cache, also jobs of other sessions with the same cache.
+    /// Simulates into the cache, also jobs of other sessions of the same workspace.
     ///
     /// # Errors
     /// When a simulation fails or is interrupted.
     pub fn simulate(&self, jobs: &[Job]) -> Result<()> {
-        schedule::run(
-            jobs,
-            &self.cache,
-            self.threads,
-            self.request.side_by_side,
-            &self.board,
-        )
+        self.workspace.simulate(jobs)
     }
-}
 
-/// A file of the project: in the folder in which the program runs, else in the project's own, wherever that is.
-fn of_project(path: &Path) -> PathBuf {
-    let program = std::env::current_exe().unwrap_or_default();
-    let built = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
-    let folders = program.ancestors().skip(1).chain(built);
-    let elsewhere = folders
-        .map(|folder| folder.join(path))
-        .find(|found| found.exists());
-    match path.exists() {
-        true => path.to_owned(),
-        false => elsewhere.unwrap_or_else(|| path.to_owned()),
+    /// The workspace.
+    pub fn workspace(&self) -> &Workspace {
+        &self.workspace
     }
 }

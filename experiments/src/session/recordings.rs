@@ -7,16 +7,16 @@ use std::sync::{Arc, Mutex};
 use anyhow::{Context, Result};
 use fdtd::scene::Scene;
 use fdtd::scheme::Scheme;
-use localizer::{DirectWave, Parameters, Recording};
+use localizer::{DirectWave, Recording};
 use rayon::prelude::*;
 
-use super::request::Request;
+use super::{Setup, Workspace};
 use crate::data::cache::Cache;
 use crate::recordings::fingerprint::engine_fingerprint;
 use crate::recordings::key::recording_key;
+use crate::recordings::noise::Noise;
 use crate::recordings::robot::Robot;
 use crate::recordings::spec::{Engine, RecordingSpec};
-use crate::run::preset::Plan;
 use crate::schedule::Job;
 
 /// Path of a scene on which the direct wave is recorded as in an anechoic chamber: a short drive without walls.
@@ -30,33 +30,32 @@ pub struct Recordings {
     cache: Cache,
     engine: Engine,
     image_order: usize,
+    odometry_bias_radps: f64,
     /// Prefix of their names.
-    prefix: &'static str,
+    prefix: String,
     direct_wave: DirectWave,
     samples_per_period: usize,
-    /// Fingerprints of the engines by [`engine_of`].
-    fingerprints: Mutex<HashMap<String, String>>,
+    /// Fingerprints of the engines by [`Recordings::engine_of`].
+    fingerprints: Arc<Mutex<HashMap<String, String>>>,
+    /// Keys by specification.
+    keys: Mutex<HashMap<String, String>>,
 }
 
 impl Recordings {
-    /// Recordings of `scene`, which get the instruments of `robot`.
-    pub(super) fn new(
-        scene: Arc<Scene>,
-        robot: Option<Robot>,
-        parameters: &Parameters,
-        request: &Request,
-        plan: &Plan,
-    ) -> Self {
+    /// Recordings of a session.
+    pub(super) fn new(setup: Setup, workspace: &Workspace) -> Self {
         Self {
-            scene,
-            robot,
-            cache: Cache::new(&request.cache),
-            engine: request.engine,
-            image_order: request.image_order,
-            prefix: plan.prefix,
-            direct_wave: parameters.measurement.direct_wave,
-            samples_per_period: parameters.samples_per_period(),
-            fingerprints: Mutex::default(),
+            direct_wave: setup.parameters.measurement.direct_wave,
+            samples_per_period: setup.parameters.samples_per_period(),
+            scene: setup.scene,
+            robot: setup.robot,
+            cache: workspace.cache.clone(),
+            engine: setup.engine,
+            image_order: setup.image_order,
+            odometry_bias_radps: setup.odometry_bias_radps,
+            prefix: setup.prefix,
+            fingerprints: Arc::clone(&workspace.fingerprints),
+            keys: Mutex::default(),
         }
     }
 
@@ -83,6 +82,7 @@ impl Recordings {
         RecordingSpec {
             scheme: scheme.filter(|_| self.has_field()),
             image_order: self.image_order,
+            odometry_bias_radps: self.odometry_bias_radps,
             ..RecordingSpec::of(path, self.engine)
         }
     }
@@ -106,12 +106,39 @@ impl Recordings {
         direct
     }
 
+    /// What selects the engine and its options: recordings with the same have the same fingerprint.
+    fn engine_of(&self, spec: &RecordingSpec) -> String {
+        let scene = &self.scene;
+        if spec.engine == Engine::ImageSource {
+            return format!("{:?} {} {}", spec.engine, spec.image_order, spec.free_field);
+        }
+        let is_soft = scene.walls.iter().any(|wall| wall.impedance.is_some());
+        format!(
+            "{:?} {:?} {:?} {:?} {} {}",
+            spec.engine,
+            spec.scheme.unwrap_or(scene.scheme),
+            spec.spread.unwrap_or(scene.spread),
+            spec.wall_model.unwrap_or(scene.wall_model),
+            spec.free_field,
+            is_soft,
+        )
+    }
+
     /// Key of a recording in the cache.
     ///
     /// # Errors
     /// When the scene has no such path or the engine does not run.
     pub fn key(&self, spec: &RecordingSpec) -> Result<String> {
-        let engine = engine_of(spec);
+        let name = format!("{spec:?}");
+        if let Some(known) = self
+            .keys
+            .lock()
+            .ok()
+            .and_then(|keys| keys.get(&name).cloned())
+        {
+            return Ok(known);
+        }
+        let engine = self.engine_of(spec);
         let known = self
             .fingerprints
             .lock()
@@ -124,7 +151,11 @@ impl Recordings {
         if let Ok(mut fingerprints) = self.fingerprints.lock() {
             fingerprints.insert(engine, fingerprint.clone());
         }
-        recording_key(&self.scene, spec, &fingerprint)
+        let key = recording_key(&self.scene, spec, &fingerprint)?;
+        if let Ok(mut keys) = self.keys.lock() {
+            keys.insert(name, key.clone());
+        }
+        Ok(key)
     }
 
     /// The simulations of those of the recordings that are not in the cache, each once.
@@ -132,24 +163,34 @@ impl Recordings {
     /// # Errors
     /// When the scene has no such path or the engine does not run.
     pub fn missing(&self, specs: &[RecordingSpec]) -> Result<Vec<Job>> {
+        let mut jobs = self.jobs(specs)?;
+        jobs.retain(|job| !self.cache.has_recording(&job.key));
+        Ok(jobs)
+    }
+
+    /// The simulations of the recordings, each once.
+    ///
+    /// # Errors
+    /// When the scene has no such path or the engine does not run.
+    pub fn jobs(&self, specs: &[RecordingSpec]) -> Result<Vec<Job>> {
         // Fingerprints take their time; keys of recordings that share one are quick after the first.
-        let engines: BTreeMap<String, &RecordingSpec> =
-            specs.iter().map(|spec| (engine_of(spec), spec)).collect();
+        let engines: BTreeMap<String, &RecordingSpec> = specs
+            .iter()
+            .map(|spec| (self.engine_of(spec), spec))
+            .collect();
         engines
             .into_par_iter()
             .try_for_each(|(_, spec)| self.key(spec).map(drop))?;
         let mut jobs: BTreeMap<String, Job> = BTreeMap::new();
         for spec in specs {
             let key = self.key(spec)?;
-            if !self.cache.has_recording(&key) {
-                let job = Job {
-                    label: self.label(spec),
-                    key: key.clone(),
-                    scene: Arc::clone(&self.scene),
-                    spec: spec.clone(),
-                };
-                jobs.insert(key, job);
-            }
+            let job = Job {
+                label: self.label(spec),
+                key: key.clone(),
+                scene: Arc::clone(&self.scene),
+                spec: spec.clone(),
+            };
+            jobs.insert(key, job);
         }
         Ok(jobs.into_values().collect())
     }
@@ -187,14 +228,20 @@ impl Recordings {
         }
         Ok(recording)
     }
-}
 
-/// The fields of a specification that select the engine and its options.
-fn engine_of(spec: &RecordingSpec) -> String {
-    format!(
-        "{:?} {:?} {:?} {}",
-        spec.engine, spec.scheme, spec.spread, spec.free_field
-    )
+    /// Reads a recording and adds noise, whose level is that of eqs. (19)-(21), if there is any.
+    ///
+    /// # Errors
+    /// As [`Recordings::read`].
+    pub fn noisy(&self, spec: &RecordingSpec, noise: Option<Noise>) -> Result<Recording> {
+        let mut recording = self.read(spec, noise.is_some())?;
+        if let Some(noise) = noise {
+            let direct = recording.direct.take().unwrap_or_default();
+            noise.add_to(&mut recording.signal, &direct);
+            recording.direct = Some(direct).filter(|_| self.direct_wave == DirectWave::FreeField);
+        }
+        Ok(recording)
+    }
 }
 
 /// The last whole period of an anechoic recording, repeated to `length` samples.

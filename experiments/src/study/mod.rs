@@ -1,215 +1,236 @@
-//! The studies. Each reads recordings of a session, writes data files, and fills its part of the summary.
+//! Studies as files: what is simulated, what varies, by which methods, and what is claimed of it.
+//!
+//! A study file ([`file`]) becomes [`cells`], each with every method and everything that is drawn: the [`plan`].
+//! [`run`](run()) simulates what is missing, runs the trials and writes the results, which [`compare`] sets beside
+//! others.
 
-mod angular_resolution;
-mod cells;
-mod dual_circle;
-mod engine;
-mod layout;
-mod multipath;
-mod odometry_drift;
-mod periods;
-mod reflections;
-mod schemes;
-mod site;
-mod snr;
-mod stages;
-mod step_time;
-mod window_size;
+pub mod cells;
+pub mod claims;
+pub mod compare;
+pub mod file;
+pub mod interval;
+mod plan;
+mod run;
+pub mod scores;
+mod settings;
+mod summary;
+pub mod tasks;
 
-use std::time::{Duration, Instant};
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
-use self::stages::{note_simulations, stage};
-use crate::recordings::spec::RecordingSpec;
-use crate::run::interrupt;
-use crate::run::preset::Preset;
-use crate::run::progress::duration;
-use crate::run::provenance::{Provenance, peak_memory_mib};
-use crate::session::Session;
-use crate::summary::Summary;
+use self::cells::Cell;
+use self::file::{FigureChoice, MethodName, StudyFile};
+use crate::data::json;
+use crate::recordings::spec::Engine;
 
-/// A study.
+pub use self::plan::Plan;
+pub use self::run::{gather, run};
+pub use self::summary::{CellScores, StudySummary, table};
+
+/// A study that has been checked.
+#[derive(Debug, Clone)]
 pub struct Study {
-    /// Name on the command line.
-    pub name: &'static str,
-    /// Its result, in one line.
-    pub about: &'static str,
-    /// Its figures.
-    pub figures: &'static str,
-    /// Presets that run it by default.
-    pub presets: &'static [Preset],
-    /// The recordings that it needs.
-    specs: fn(&Session) -> Vec<RecordingSpec>,
-    /// Writes its data files and fills its part of the summary.
-    run: fn(&Session, &mut Summary) -> Result<()>,
+    /// What its file holds.
+    pub file: StudyFile,
+    /// Its cells.
+    pub cells: Vec<Cell>,
+    /// Folder of the file.
+    folder: PathBuf,
 }
 
-const BOTH: &[Preset] = &[Preset::Paper, Preset::Quick];
-const PAPER: &[Preset] = &[Preset::Paper];
+impl Study {
+    /// Reads a study file.
+    ///
+    /// # Errors
+    /// One line that names the file, the field and the remedy: unknown or contradictory fields, names that do not
+    /// exist, values that cannot be used, tests that could not be carried out.
+    pub fn load(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        Self::parse(&text, path)
+    }
 
-/// All studies in the order in which they run.
-pub const STUDIES: &[Study] = &[
-    Study {
-        name: "layout",
-        about: "walls, drives, speeds and the map image",
-        figures: "fig04, fig05",
-        presets: BOTH,
-        specs: |session| session.recordings.localization_specs(None),
-        run: layout::run,
-    },
-    Study {
-        name: "odometry-drift",
-        about: "position error of Doppler, ToA only and odometry with a turn rate that is 0.01 rad/s too high",
-        figures: "fig06",
-        presets: BOTH,
-        specs: |session| session.recordings.localization_specs(None),
-        run: odometry_drift::run,
-    },
-    Study {
-        name: "window-size",
-        about: "position error over the half-width of the matched window",
-        figures: "fig07",
-        presets: BOTH,
-        specs: |session| session.recordings.localization_specs(None),
-        run: window_size::run,
-    },
-    Study {
-        name: "reflections",
-        about: "reflected intensity over time beside the distances of ray theory",
-        figures: "fig08",
-        presets: BOTH,
-        specs: |session| session.recordings.localization_specs(None),
-        run: reflections::run,
-    },
-    Study {
-        name: "periods",
-        about: "position error and paths for several numbers M of periods in a block",
-        figures: "fig_periods",
-        presets: BOTH,
-        specs: |session| session.recordings.localization_specs(None),
-        run: periods::run,
-    },
-    Study {
-        name: "angular-resolution",
-        about: "width of one exact echo over the direction for M = 1 to 8, beside theory",
-        figures: "fig_angular_resolution",
-        presets: BOTH,
-        specs: |_| Vec::new(),
-        run: angular_resolution::run,
-    },
-    Study {
-        name: "snr",
-        about: "position error over the signal-to-noise ratio, eqs. (19)-(21)",
-        figures: "fig09",
-        presets: PAPER,
-        specs: snr::specs,
-        run: snr::run,
-    },
-    Study {
-        name: "schemes",
-        about: "position error when the field is computed with the standard leapfrog scheme",
-        figures: "-",
-        presets: PAPER,
-        specs: schemes::specs,
-        run: schemes::run,
-    },
-    Study {
-        name: "step-time",
-        about: "compute time of one step, Doppler bank and filter",
-        figures: "fig17",
-        presets: BOTH,
-        specs: |session| session.recordings.localization_specs(None),
-        run: step_time::run,
-    },
-    Study {
-        name: "dual-circle",
-        about: "position from 40 kHz ranges to four receivers beside the tables of Hsu et al. (2021)",
-        figures: "fig_dual_circle",
-        presets: BOTH,
-        specs: |_| Vec::new(),
-        run: dual_circle::run,
-    },
-    Study {
-        name: "multipath",
-        about: "position from multipath arrival times by planes and a Kalman filter (2021), in a room and on the scene",
-        figures: "fig_multipath_paths, fig_multipath_errors, fig_multipath_scene",
-        presets: BOTH,
-        specs: |session| session.recordings.localization_specs(None),
-        run: multipath::run,
-    },
-    Study {
-        name: "site",
-        about: "the experimental site in simulation: slip, noise, a microphone beside the loudspeaker",
-        figures: "site/fig11-fig16",
-        presets: PAPER,
-        // It has a session of its own; `run` asks for the recordings missing there.
-        specs: |_| Vec::new(),
-        run: site::run,
-    },
-    Study {
-        name: "engine",
-        about: "speed of the field computation on the scene",
-        figures: "-",
-        presets: BOTH,
-        specs: |_| Vec::new(),
-        run: engine::run,
-    },
-];
+    /// Reads the text of a study file; errors name `origin`, in whose folder its scenes are looked for.
+    ///
+    /// # Errors
+    /// As [`Study::load`].
+    pub fn parse(text: &str, origin: &Path) -> Result<Self> {
+        let file: StudyFile = json::parse(text, origin)?;
+        let folder = origin.parent().unwrap_or(Path::new("")).to_path_buf();
+        Self::checked(file, folder).with_context(|| origin.display().to_string())
+    }
 
-/// Time that looking up recordings in the cache takes at most.
-const CACHED: Duration = Duration::from_secs(2);
-
-/// Runs studies: first all simulations they need, then one after the other; the summary is written after each.
-///
-/// # Errors
-/// The first failure. Studies finished before are on disk, and the same command resumes.
-pub fn run(session: &Session, studies: &[&Study]) -> Result<Summary> {
-    let path = session.results().join("summary.json");
-    let mut summary = if path.exists() {
-        // Stages of earlier runs stay when one study runs.
-        let mut summary = Summary::read(&path)?;
-        let earlier = summary.provenance;
-        summary.provenance = Provenance {
-            seconds: earlier.seconds,
-            simulation_seconds: earlier.simulation_seconds,
-            peak_memory_mib: earlier.peak_memory_mib,
-            ..Provenance::here()
+    fn checked(file: StudyFile, folder: PathBuf) -> Result<Self> {
+        let is_name = |text: &str| {
+            !text.is_empty()
+                && text.len() <= 80
+                && text
+                    .chars()
+                    .all(|c| c.is_ascii_alphanumeric() || "-_".contains(c))
         };
-        summary
-    } else {
-        Summary::new(session.preset)
-    };
-    let started = Instant::now();
-    let specs: Vec<RecordingSpec> = studies
-        .iter()
-        .flat_map(|study| (study.specs)(session))
-        .collect();
-    let mut missing = session.recordings.missing(&specs)?;
-    if studies.iter().any(|study| study.name == "site") {
-        // One queue for both scenes, so that no worker waits for another's last simulation between them.
-        missing.extend(site::missing(session)?);
+        if !is_name(&file.name) {
+            bail!(
+                "name: '{}' cannot be a folder; use letters, digits, - and _",
+                file.name
+            );
+        }
+        let methods = methods_of(&file);
+        if methods.is_empty() {
+            bail!("methods: there are none; name at least one");
+        }
+        if let Some(double) = (1..methods.len()).find(|&k| methods[..k].contains(&methods[k])) {
+            bail!(
+                "methods[{double}]: {} is there twice; leave one out",
+                methods[double].name()
+            );
+        }
+        let cells = cells::cells(&file, &folder)?;
+        check_seeds(&file, &cells)?;
+        for (number, figure) in file.figures.iter().enumerate() {
+            check_figure(figure, &cells).with_context(|| format!("figures[{number}]"))?;
+        }
+        for (number, claim) in file.claims.iter().enumerate() {
+            if file.claims[..number]
+                .iter()
+                .any(|known| known.id == claim.id)
+            {
+                bail!(
+                    "claims[{number}].id: {} is there twice; rename one",
+                    claim.id
+                );
+            }
+            claim
+                .check(&cells, &methods)
+                .with_context(|| format!("claims[{number}]"))?;
+        }
+        Ok(Self {
+            file,
+            cells,
+            folder,
+        })
     }
-    session.simulate(&missing)?;
-    note_simulations(session, &specs, &mut summary)?;
-    // A run that finds all recordings in the cache keeps the duration of their simulation.
-    let known = summary.provenance.seconds.contains_key("simulations");
-    if !known || started.elapsed() > CACHED {
-        stage(&mut summary, "simulations", started);
+
+    /// Takes another engine for all cells.
+    ///
+    /// # Errors
+    /// When the engine varies in the study.
+    pub fn set_engine(&mut self, engine: Engine, image_order: u8) -> Result<()> {
+        let names = ["field.engine", "field.image_order"];
+        let varied = self.file.vary.iter().flat_map(|entry| entry.keys());
+        let chosen = self
+            .file
+            .alternatives
+            .iter()
+            .flat_map(|entry| entry.set.keys());
+        if let Some(name) = varied
+            .chain(chosen)
+            .find(|name| names.contains(&name.as_str()))
+        {
+            bail!(
+                "--engine: {name} varies in study {}; leave the option out",
+                self.file.name
+            );
+        }
+        let mut file = self.file.clone();
+        file.set.retain(|name, _| !names.contains(&name.as_str()));
+        file.set
+            .insert(names[0].to_string(), serde_json::to_value(engine)?);
+        if engine == Engine::ImageSource {
+            file.set.insert(names[1].to_string(), image_order.into());
+        }
+        *self = Self::checked(file, self.folder.clone())?;
+        Ok(())
     }
-    for study in studies {
-        interrupt::check()?;
-        let started = Instant::now();
-        (study.run)(session, &mut summary).with_context(|| format!("study {}", study.name))?;
-        stage(&mut summary, study.name, started);
-        let provenance = &mut summary.provenance;
-        provenance.peak_memory_mib = provenance.peak_memory_mib.max(peak_memory_mib());
-        summary.write(&path)?;
-        session.board.say(format!(
-            "study {} done in {}",
-            study.name,
-            duration(started.elapsed().as_secs_f64())
-        ));
+
+    /// Its methods.
+    pub fn methods(&self) -> Vec<MethodName> {
+        methods_of(&self.file)
     }
-    Ok(summary)
+
+    /// The JSON schema of study files.
+    pub fn json_schema() -> serde_json::Value {
+        schemars::schema_for!(StudyFile).to_value()
+    }
+
+    /// The figures it asks for, or those that its cells suggest.
+    pub(crate) fn figures(&self) -> Vec<FigureChoice> {
+        if !self.file.figures.is_empty() {
+            return self.file.figures.clone();
+        }
+        let is_number = |name: &str| {
+            self.cells.iter().all(|cell| {
+                let value = cell.labels.iter().find(|(known, _)| known == name);
+                value.is_some_and(|(_, value)| value.parse::<f64>().is_ok())
+            })
+        };
+        let names = self
+            .file
+            .vary
+            .iter()
+            .filter_map(|entry| entry.keys().next());
+        let curves = names
+            .filter(|name| is_number(name))
+            .map(|name| FigureChoice::Curve {
+                over: name.clone(),
+                measure: scores::Measure::default(),
+            });
+        let bars = FigureChoice::Bars {
+            measure: scores::Measure::default(),
+        };
+        curves.chain([bars, FigureChoice::Cdf {}]).collect()
+    }
 }
+
+/// The methods of a file.
+fn methods_of(file: &StudyFile) -> Vec<MethodName> {
+    file.methods.iter().map(|choice| choice.method()).collect()
+}
+
+/// Refuses seeds of what nothing draws.
+fn check_seeds(file: &StudyFile, cells: &[Cell]) -> Result<()> {
+    if file.seeds.slip > 1 && file.robot.is_none() {
+        bail!("seeds.slip: there is no robot whose wheels slip; name a robot file or leave it out");
+    }
+    let noisy = |settings: &file::Settings| {
+        settings
+            .get("noise.snr_db")
+            .is_some_and(|value| !value.is_null())
+    };
+    let any = cells.iter().any(|cell| noisy(&cell.settings))
+        || file
+            .methods
+            .iter()
+            .any(|choice| choice.settings().is_some_and(noisy));
+    if file.seeds.noise > 1 && !any {
+        bail!("seeds.noise: no cell has noise; set or vary noise.snr_db or leave it out");
+    }
+    Ok(())
+}
+
+/// Refuses a figure of what is not in the study.
+fn check_figure(figure: &FigureChoice, cells: &[Cell]) -> Result<()> {
+    match figure {
+        FigureChoice::Curve { over, .. } => {
+            for cell in cells {
+                let value = cell.labels.iter().find(|(name, _)| name == over);
+                let Some((_, value)) = value else {
+                    bail!("over: {over} does not vary; name what does");
+                };
+                if value.parse::<f64>().is_err() {
+                    bail!(
+                        "over: {over} has the value {value}, which is no number; draw bars instead"
+                    );
+                }
+            }
+        }
+        FigureChoice::Paths { cell } if !cells.iter().any(|known| known.has(cell)) => {
+            bail!("where: no cell of the study has these values; name values that vary")
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -7,7 +7,7 @@ use anyhow::Result;
 use fdtd::scheme::Scheme;
 use localizer::Parameters;
 
-use super::trial::{Trial, TrialResult};
+use super::trial::{Approach, Trial, TrialResult};
 use crate::data::cache::Cache;
 use crate::recordings::noise::Noise;
 use crate::run::progress::Task;
@@ -20,10 +20,14 @@ pub(super) type Finished = (usize, TrialResult);
 pub(super) struct Group<'a> {
     /// Scheme of the field; the scene's when `None`.
     pub(super) scheme: Option<Scheme>,
+    /// What poses are found by.
+    pub(super) approach: Approach,
     /// Parameters of the measurement.
     pub(super) parameters: Parameters,
     /// Noise on the received signal.
     pub(super) noise: Option<Noise>,
+    /// Whether the mapping drive has noise too.
+    pub(super) noisy_mapping: bool,
     /// The trials with their numbers in the study.
     pub(super) members: Vec<(usize, &'a Trial)>,
 }
@@ -44,13 +48,21 @@ impl<'a> Group<'a> {
             .filter(|(index, _)| results[*index].is_none())
         {
             let parameters = measurement_of(&trial.parameters, base);
-            let name = serde_json::to_string(&(trial.scheme, &parameters, trial.noise))?;
+            let name = serde_json::to_string(&(
+                trial.scheme,
+                trial.approach,
+                &parameters,
+                trial.noise,
+                trial.noisy_mapping,
+            ))?;
             let place = *places.entry(name).or_insert(groups.len());
             if place == groups.len() {
                 groups.push(Self {
                     scheme: trial.scheme,
+                    approach: trial.approach,
                     parameters,
                     noise: trial.noise,
+                    noisy_mapping: trial.noisy_mapping,
                     members: Vec::new(),
                 });
             }
@@ -59,9 +71,18 @@ impl<'a> Group<'a> {
         Ok(groups)
     }
 
-    /// Whether this group and another differ in nothing but their noise.
+    /// The noise of the mapping drive.
+    pub(super) fn mapping_noise(&self) -> Option<Noise> {
+        self.noise
+            .filter(|_| self.noisy_mapping)
+            .map(Noise::of_mapping)
+    }
+
+    /// Whether this group and another differ in nothing but their noise, and share a map.
     pub(super) fn differs_in_noise(&self, other: &Group<'_>) -> bool {
-        self.scheme == other.scheme && self.parameters == other.parameters
+        self.scheme == other.scheme
+            && self.parameters == other.parameters
+            && self.mapping_noise() == other.mapping_noise()
     }
 }
 
@@ -77,13 +98,13 @@ pub(super) struct Output<'a> {
 }
 
 impl<'a> Output<'a> {
-    /// An output without results. `keys` are those of all trials of the study.
-    pub(super) fn new(cache: &'a Cache, keys: &'a [String], task: &'a Task) -> Self {
+    /// An output without results. `keys` are those of all trials; `known` parts of the task are done.
+    pub(super) fn new(cache: &'a Cache, keys: &'a [String], task: &'a Task, known: u64) -> Self {
         Self {
             cache,
             keys,
             task,
-            done: AtomicU64::new(0),
+            done: AtomicU64::new(known),
             shown: AtomicU64::new(0),
         }
     }

@@ -8,7 +8,7 @@ use localizer::{Estimate, offline};
 use rayon::prelude::*;
 
 use super::group::{Finished, Group, Output};
-use super::trial::TrialResult;
+use super::trial::{Found, TrialResult};
 use crate::recordings::noise::Noise;
 use crate::run::interrupt;
 use crate::session::Session;
@@ -53,7 +53,9 @@ pub(super) fn run(
 /// Runs the trials of groups that differ in nothing but their noise.
 fn run_set(session: &Session, set: &[Group<'_>], output: &Output<'_>) -> Result<Vec<Finished>> {
     let (scheme, parameters) = (set[0].scheme, &set[0].parameters);
-    let map = session.measurements.map(scheme, parameters)?;
+    let map = session
+        .measurements
+        .noisy_map(scheme, set[0].mapping_noise(), parameters)?;
     let recording = session
         .recordings
         .read(&session.recordings.spec("localization", scheme), true)?;
@@ -119,7 +121,8 @@ fn run_set(session: &Session, set: &[Group<'_>], output: &Output<'_>) -> Result<
     }
     runs.into_iter()
         .map(|run| {
-            let result = TrialResult::of(&recording, &run.estimates)?;
+            let found: Vec<Found> = run.estimates.iter().map(Found::from).collect();
+            let result = TrialResult::of(&recording, &found)?;
             output.keep(run.index, &result)?;
             Ok((run.index, result))
         })

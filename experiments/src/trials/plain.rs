@@ -8,7 +8,7 @@ use localizer::{EchoSequence, MapImage, Recording, offline};
 use rayon::prelude::*;
 
 use super::group::{Finished, Group, Output};
-use super::trial::{Trial, TrialResult};
+use super::trial::{Found, Trial, TrialResult};
 use crate::run::interrupt;
 use crate::session::Session;
 
@@ -39,7 +39,8 @@ impl Measured {
         let parameters = &trial.parameters;
         let estimates =
             offline::localize(&self.sequence, &self.map, parameters, start, trial.seed())?;
-        TrialResult::of(&self.recording, &estimates)
+        let found: Vec<Found> = estimates.iter().map(Found::from).collect();
+        TrialResult::of(&self.recording, &found)
     }
 }
 

@@ -14,4 +14,5 @@ mod landmarks;
 mod robot;
 mod room;
 mod snapshots;
+mod studies;
 mod trust;

@@ -180,7 +180,7 @@ fn owner(name: &str) -> Option<Owner> {
 }
 
 /// Name of this machine in letters and digits.
-fn machine() -> String {
+pub fn machine() -> String {
     #[cfg(unix)]
     let name = rustix::system::uname()
         .nodename()
@@ -197,7 +197,7 @@ fn machine() -> String {
 
 /// Whether a process of this machine runs.
 #[cfg(unix)]
-fn is_alive(process: u32) -> bool {
+pub fn is_alive(process: u32) -> bool {
     use rustix::process::{Pid, test_kill_process};
     i32::try_from(process)
         .ok()
@@ -205,8 +205,9 @@ fn is_alive(process: u32) -> bool {
         .is_some_and(|pid| test_kill_process(pid) != Err(rustix::io::Errno::SRCH))
 }
 
+/// Whether a process of this machine runs: not known here.
 #[cfg(not(unix))]
-fn is_alive(_: u32) -> bool {
+pub fn is_alive(_: u32) -> bool {
     true
 }
 

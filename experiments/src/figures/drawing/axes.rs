@@ -73,6 +73,20 @@ impl<'a> Axes<'a> {
         Ok(())
     }
 
+    /// As [`Axes::grid`], of the horizontal axis alone.
+    ///
+    /// # Errors
+    /// When the canvas refuses.
+    pub fn grid_upright(&self) -> Result<()> {
+        let [_, top, _, bottom] = self.frame;
+        for (value, _) in self.x.ticks(6) {
+            let [x, _] = self.pixel(value, self.y.low);
+            let stroke = Stroke::solid(colour::LIGHT, 1.5);
+            self.canvas.line(&[[x, top], [x, bottom]], stroke)?;
+        }
+        Ok(())
+    }
+
     /// Draws the frame's outline.
     fn outline(&self, stroke: Stroke) -> Result<()> {
         let [left, top, right, bottom] = self.frame;
@@ -91,6 +105,27 @@ impl<'a> Axes<'a> {
     /// # Errors
     /// When the canvas refuses.
     pub fn finish(&self, title: &str) -> Result<()> {
+        self.finish_upright(title)?;
+        let [left, top, _, bottom] = self.frame;
+        let stroke = Stroke::solid(colour::BLACK, 2.5);
+        let mut widest = 0.0_f64;
+        for (value, text) in self.y.ticks(6) {
+            let [_, y] = self.pixel(self.x.low, value);
+            self.canvas.line(&[[left - 9.0, y], [left, y]], stroke)?;
+            self.canvas
+                .text(&text, [left - 15.0, y], (-1, 0), TICK, false, false)?;
+            widest = widest.max(self.canvas.text_size(&text, TICK, false)[0]);
+        }
+        let beside = [left - 24.0 - widest, 0.5 * (top + bottom)];
+        self.canvas
+            .text(&self.y.label, beside, (-1, 0), LABEL, false, true)
+    }
+
+    /// As [`Axes::finish`], without what belongs to the upright axis: its rows have names of their own.
+    ///
+    /// # Errors
+    /// When the canvas refuses.
+    pub fn finish_upright(&self, title: &str) -> Result<()> {
         let [left, top, right, bottom] = self.frame;
         let stroke = Stroke::solid(colour::BLACK, 2.5);
         self.outline(stroke)?;
@@ -101,23 +136,12 @@ impl<'a> Axes<'a> {
             self.canvas
                 .text(&text, [x, bottom + 14.0], (0, 1), TICK, false, false)?;
         }
-        let mut widest = 0.0_f64;
-        for (value, text) in self.y.ticks(6) {
-            let [_, y] = self.pixel(self.x.low, value);
-            self.canvas.line(&[[left - 9.0, y], [left, y]], stroke)?;
-            self.canvas
-                .text(&text, [left - 15.0, y], (-1, 0), TICK, false, false)?;
-            widest = widest.max(self.canvas.text_size(&text, TICK, false)[0]);
-        }
-        let middle = [0.5 * (left + right), 0.5 * (top + bottom)];
-        let below = [middle[0], bottom + 20.0 + TICK];
+        let middle = 0.5 * (left + right);
+        let below = [middle, bottom + 20.0 + TICK];
         self.canvas
             .text(&self.x.label, below, (0, 1), LABEL, false, false)?;
-        let beside = [left - 24.0 - widest, middle[1]];
         self.canvas
-            .text(&self.y.label, beside, (-1, 0), LABEL, false, true)?;
-        self.canvas
-            .text(title, [middle[0], top - 14.0], (0, -1), LABEL, true, false)
+            .text(title, [middle, top - 14.0], (0, -1), LABEL, true, false)
     }
 
     /// Cuts a curve at the frame: its parts inside, in pixels.

@@ -18,6 +18,9 @@ pub(crate) fn method_style(method: &str) -> (Stroke, &'static str) {
             line(colour::VERMILLION, 5.0).dashed(&[6.0, 9.0]),
             "odometry",
         ),
+        "landmarks" => (line(colour::GREEN, 5.0), "landmarks"),
+        "slam" => (line(colour::PURPLE, 5.0).dashed(&[22.0, 9.0]), "SLAM"),
+        "multipath" => (line(colour::SKY, 5.0).dashed(&[6.0, 9.0]), "multipath"),
         _ => (line(colour::BLACK, 3.0), "truth"),
     }
 }

@@ -1,18 +1,17 @@
 //! Position error over the signal-to-noise ratio, eqs. (19)-(21) (Fig. 9).
 
 use anyhow::Result;
-use localizer::parameters::FilterParameters;
-use localizer::{Method, Parameters};
 
+use super::PaperSession;
+use super::cells::doppler_trials;
 use crate::data::table::{Table, cell};
 use crate::recordings::noise::Noise;
 use crate::recordings::spec::RecordingSpec;
-use crate::session::Session;
 use crate::summary::{NoiseCell, Summary};
 use crate::trials::{self, Trial, accuracy};
 
 /// Recordings of the study: the direct wave of the localization drive gives the power of the reflected signal.
-pub(crate) fn specs(session: &Session) -> Vec<RecordingSpec> {
+pub(crate) fn specs(session: &PaperSession) -> Vec<RecordingSpec> {
     let mut specs = session.recordings.localization_specs(None);
     specs.push(
         session
@@ -23,24 +22,22 @@ pub(crate) fn specs(session: &Session) -> Vec<RecordingSpec> {
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
+    let count = session.plan.noise_trials;
     let trials: Vec<Trial> = session
         .plan
         .snr_db
         .iter()
         .flat_map(|&snr_db| {
-            (0..session.plan.noise_trials as u64).map(move |trial| Trial {
-                scheme: None,
-                parameters: Parameters {
-                    filter: FilterParameters {
-                        method: Method::Doppler,
-                        ..session.parameters.filter
-                    },
-                    ..session.parameters.clone()
-                },
-                trial,
-                noise: Some(Noise { snr_db, trial }),
-            })
+            doppler_trials(&session.parameters, count)
+                .into_iter()
+                .map(move |plain| Trial {
+                    noise: Some(Noise {
+                        snr_db,
+                        trial: plain.trial,
+                    }),
+                    ..plain
+                })
         })
         .collect();
     let results = trials::run(session, "snr", &trials)?;

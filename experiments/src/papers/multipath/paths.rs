@@ -1,8 +1,6 @@
 //! Constants of the multipath study, and paths with their errors: shared by room and scene.
 
 use anyhow::{Context, Result};
-use localizer::multipath::ekf::Noise;
-use localizer::multipath::peaks::Picking;
 use localizer::pose::wrap_angle;
 use localizer::{Recording, Trajectory};
 
@@ -11,24 +9,6 @@ use crate::metrics::{Accuracy, rounded};
 
 /// Number of blocks from one estimate in the data file to the next.
 const EVERY: usize = 2;
-/// Peaks: four times the noise, one chip apart.
-pub(super) const PICKING: Picking = Picking {
-    threshold: 4.0,
-    separation: 4,
-    most: 16,
-};
-/// Gate of the association where it is not varied: largest difference of round trips, metres.
-pub(super) const GATE_M: f64 = 0.25;
-/// Noise that the filter expects, the same for all models, at a speed of sound in m/s and a gate in metres.
-pub(super) fn noise(c_mps: f64, gate_m: f64) -> Noise {
-    Noise {
-        v_mps: 0.05,
-        omega_radps: 0.1,
-        time_s: 0.03 / c_mps,
-        gate_s: gate_m / c_mps,
-    }
-}
-
 /// Errors of a trajectory at its own times.
 pub(super) struct Errors {
     /// Distances from the true position, metres.

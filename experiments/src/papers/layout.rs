@@ -4,10 +4,10 @@ use anyhow::Result;
 use fdtd::scene::Scene;
 use localizer::recording::Recording;
 
+use super::PaperSession;
 use crate::data::atomic;
 use crate::data::layout::Layout;
 use crate::data::table::{Table, cell};
-use crate::session::Session;
 use crate::summary::Summary;
 
 /// Truth and odometry of a recording, one row every tenth of a second, in `drive`.
@@ -31,7 +31,7 @@ fn add_drive(drive: &mut Table, scene: &Scene, name: &str, recording: &Recording
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, _summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, _summary: &mut Summary) -> Result<()> {
     Layout::of(&session.scene).write(&session.data("layout.json"))?;
     let mut drive = Table::new([
         "path",

@@ -4,14 +4,14 @@ use anyhow::Result;
 use localizer::Parameters;
 use localizer::parameters::FilterParameters;
 
+use super::PaperSession;
 use super::cells::doppler_trials;
 use crate::data::table::{Table, cell};
-use crate::session::Session;
 use crate::summary::{Summary, WindowCell};
 use crate::trials::{self, accuracy};
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let trials: Vec<_> = session
         .plan
         .half_widths_m

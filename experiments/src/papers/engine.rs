@@ -3,18 +3,18 @@
 use anyhow::Result;
 use fdtd::scheme::Scheme;
 
+use super::PaperSession;
 use crate::metrics::rounded;
 use crate::recordings::simulate::prepare;
 use crate::recordings::spec::RecordingSpec;
 use crate::schedule::steps_per_second;
-use crate::session::Session;
 use crate::summary::{Engine, Summary};
 
 /// Wall-clock time of one measurement, seconds.
 const MEASURING_S: f64 = 1.5;
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     if !session.recordings.has_field() {
         summary.engine = Some(Engine {
             scheme: session.recordings.scheme_name(),

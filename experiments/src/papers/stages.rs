@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use anyhow::Result;
 
+use super::PaperSession;
 use crate::recordings::recording::simulation_seconds;
 use crate::recordings::spec::RecordingSpec;
-use crate::session::Session;
 use crate::summary::Summary;
 
 /// Notes the duration of a stage, seconds.
@@ -20,7 +20,7 @@ pub(super) fn stage(summary: &mut Summary, name: &str, started: Instant) {
 /// # Errors
 /// When a recording is not in the cache.
 pub(super) fn note_simulations(
-    session: &Session,
+    session: &PaperSession,
     specs: &[RecordingSpec],
     summary: &mut Summary,
 ) -> Result<()> {

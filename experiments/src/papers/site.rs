@@ -3,21 +3,21 @@
 
 use anyhow::{Context, Result};
 
+use super::PaperSession;
 use super::stages::note_simulations;
 use super::{layout, odometry_drift, reflections, snr, window_size};
 use crate::run::interrupt;
 use crate::schedule::Job;
-use crate::session::Session;
 use crate::summary::{Site, Summary};
 
 /// The simulations that the site still needs.
-pub(crate) fn missing(session: &Session) -> Result<Vec<Job>> {
+pub(crate) fn missing(session: &PaperSession) -> Result<Vec<Job>> {
     let site = session.site()?;
     site.recordings.missing(&snr::specs(&site))
 }
 
 /// Runs the study: the other studies do the work, in the site's own session.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let site = session.site()?;
     let specs = snr::specs(&site);
     site.simulate(&site.recordings.missing(&specs)?)?;

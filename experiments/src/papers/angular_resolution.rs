@@ -12,9 +12,9 @@ use localizer::echo::DopplerBank;
 use localizer::parameters::MeasurementParameters;
 use localizer::signal::waveform::transmit_period;
 
+use super::PaperSession;
 use crate::data::table::{Table, cell};
 use crate::metrics::rounded;
-use crate::session::Session;
 use crate::summary::{ResolutionCell, Summary};
 
 /// Numbers of periods.
@@ -90,7 +90,7 @@ fn half_power_width(answer: &[(f64, f64)]) -> Option<f64> {
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let mut table = Table::new(["m", "cos_theta", "level"]);
     let mut widths = Table::new(["m", "half_power_width", "theory"]);
     summary.angular_resolution.clear();

@@ -3,10 +3,10 @@
 use anyhow::{Context, Result};
 use localizer::beacons::Beacons;
 
+use super::PaperSession;
 use crate::data::table::{Table, cell};
 use crate::metrics::{mean, rounded};
 use crate::recordings::ultrasound::{Link, Ranging};
-use crate::session::Session;
 use crate::summary::{AxisErrors, DualCircle, Summary};
 
 /// Corners of the 4 m square. The paper draws its receivers as a figure only; corners fit its farthest distance, 4.24
@@ -124,7 +124,7 @@ fn measured() -> Result<Table> {
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let path = session.data("dual_circle_published.csv");
     published().write(&path)?;
     let published = Table::read(&path)?;

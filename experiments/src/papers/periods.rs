@@ -4,14 +4,14 @@ use anyhow::Result;
 use localizer::parameters::MeasurementParameters;
 use localizer::{Method, Parameters};
 
+use super::PaperSession;
 use super::cells::{doppler_trials, trials_of};
 use crate::data::table::{Table, cell};
-use crate::session::Session;
 use crate::summary::{PeriodsCell, Summary};
 use crate::trials::{self, TrialResult, accuracy};
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let trials: Vec<_> = session
         .plan
         .period_counts

@@ -3,14 +3,14 @@
 use anyhow::Result;
 use localizer::Method;
 
+use super::PaperSession;
 use super::cells::{method_name, trials_of};
 use crate::data::table::{Table, cell};
-use crate::session::Session;
 use crate::summary::{Methods, Summary};
 use crate::trials::{self, accuracy};
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let methods = [
         (Method::Doppler, session.plan.trials),
         (Method::ToaOnly, session.plan.trials),

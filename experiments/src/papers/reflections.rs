@@ -8,10 +8,10 @@ use localizer::{Parameters, ToaImage};
 use ndarray::Array2;
 use oracles::rays::{RayKind, Reflectors, TraceOptions, trace};
 
+use super::PaperSession;
 use crate::data::atomic;
 use crate::data::table::{Table, cell};
 use crate::metrics::{mean, rounded};
-use crate::session::Session;
 use crate::summary::{Reflections, Summary};
 
 /// Greatest round-trip distance shown, metres.
@@ -34,7 +34,7 @@ struct Ray {
 }
 
 /// Rays with one or two reflections at the times `t_s`.
-fn rays(session: &Session, times_s: &[f64]) -> Result<Vec<Ray>> {
+fn rays(session: &PaperSession, times_s: &[f64]) -> Result<Vec<Ray>> {
     let path = session.scene.path("localization")?;
     let reflectors = Reflectors::of(&session.scene.walls);
     let options = TraceOptions {
@@ -83,7 +83,7 @@ fn meet(walls: &[Wall], pieces: &[(usize, usize)]) -> bool {
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let recording = session
         .recordings
         .read(&session.recordings.spec("localization", None), false)?;

@@ -8,9 +8,10 @@ use localizer::filter::tracker::Tracker;
 use localizer::parameters::FilterParameters;
 use localizer::{EchoSequence, MapImage, Method, Parameters, Recording, echo};
 
+use super::PaperSession;
 use crate::data::table::{Table, cell};
 use crate::metrics::{quantile, rounded};
-use crate::session::{Session, measurement_of};
+use crate::session::measurement_of;
 use crate::summary::{FilterTime, StepTime, Summary};
 
 /// Blocks left out until the memory is warm.
@@ -18,7 +19,7 @@ const WARM_UP: usize = 3;
 
 /// Time of each block in the Doppler bank, eqs. (1)-(3), milliseconds.
 fn bank_times_ms(
-    session: &Session,
+    session: &PaperSession,
     recording: &Recording,
     sequence: &EchoSequence,
 ) -> Result<Vec<f64>> {
@@ -46,7 +47,7 @@ fn bank_times_ms(
 
 /// Time of each block in the particle filter, eqs. (8)-(18), milliseconds.
 fn filter_times_ms(
-    session: &Session,
+    session: &PaperSession,
     recording: &Recording,
     sequence: &EchoSequence,
     map: &MapImage,
@@ -68,7 +69,7 @@ fn filter_times_ms(
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let recording = session
         .recordings
         .read(&session.recordings.spec("localization", None), false)?;

@@ -4,20 +4,20 @@ use anyhow::Result;
 use fdtd::scheme::Scheme;
 use localizer::Method;
 
+use super::PaperSession;
 use super::cells::{method_name, trials_of};
 use crate::data::table::{Table, cell};
 use crate::recordings::spec::RecordingSpec;
-use crate::session::Session;
 use crate::summary::{SchemeAccuracy, Schemes, Summary};
 use crate::trials::{self, Trial, accuracy};
 
 /// Recordings of the study.
-pub(crate) fn specs(session: &Session) -> Vec<RecordingSpec> {
+pub(crate) fn specs(session: &PaperSession) -> Vec<RecordingSpec> {
     session.recordings.localization_specs(Some(Scheme::Slf))
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let trials: Vec<Trial> = [Method::Doppler, Method::ToaOnly]
         .into_iter()
         .flat_map(|method| trials_of(&session.parameters, method, session.plan.trials))

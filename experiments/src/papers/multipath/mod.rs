@@ -14,13 +14,14 @@ use localizer::multipath::prediction::{Model, Predictor};
 use localizer::{Recording, Trajectory};
 use rayon::prelude::*;
 
-use self::paths::{COLUMNS, Errors, GATE_M, PICKING, accuracy, errors, noise, write_path};
+use self::paths::{COLUMNS, Errors, accuracy, errors, write_path};
 use crate::data::table::{Table, cell};
 use crate::metrics::{mean, rounded};
+use crate::papers::PaperSession;
 use crate::recordings::multipath_room::{CEILING_M, CORNERS_M, HEIGHTS_M, Site};
 use crate::run::interrupt;
-use crate::session::Session;
 use crate::summary::{FollowedPath, Multipath, MultipathGate, Summary};
+use crate::trials::arrivals::{GATE_M, PICKING, noise};
 
 /// Trials: seeds of noise and slip.
 const TRIALS: u64 = 10;
@@ -40,7 +41,7 @@ const ROUND_TRIP_M: [f64; 2] = [1.2, 9.0];
 const GATES_M: [f64; 8] = [0.1, 0.15, 0.2, GATE_M, 0.3, 0.4, 0.6, 1.0];
 
 /// Writes the room's plan and the true path.
-fn write_room(session: &Session, recording: &Recording) -> Result<()> {
+fn write_room(session: &PaperSession, recording: &Recording) -> Result<()> {
     let mut room = Table::new(["x_m", "y_m", "ceiling_m"]);
     for [x, y] in CORNERS_M {
         room.push([x, y, CEILING_M].map(|value| cell(value, 3)));
@@ -92,7 +93,7 @@ fn run_trial(site: &Site, recording: &Recording) -> Result<Trial> {
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &Session, summary: &mut Summary) -> Result<()> {
+pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let site = Site::simulate(&session.cache)?;
     let mut paths = Table::new(COLUMNS);
     let mut gates = Table::new(["method", "gate_m", "trial", "mae_m"]);

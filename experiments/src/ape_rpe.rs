@@ -1,0 +1,111 @@
+//! Errors of whole trajectories as `evo` defines them: absolute after alignment, and relative from pose to pose.
+//!
+//! Grupp, evo: Python package for the evaluation of odometry and SLAM; Umeyama (1991) for the alignment.
+
+use localizer::Pose;
+
+/// Root mean square distance of positions from the true ones after the rigid motion that makes it least, metres:
+/// `evo_ape tum truth.tum est.tum --align`. `NaN` without poses.
+pub fn aligned_rmse_m(poses: &[Pose], truth: &[Pose]) -> f64 {
+    let count = poses.len().min(truth.len()) as f64;
+    let centre = |poses: &[Pose]| {
+        let sum = poses
+            .iter()
+            .fold([0.0; 2], |sum, pose| [sum[0] + pose.x_m, sum[1] + pose.y_m]);
+        sum.map(|value| value / count)
+    };
+    let (here, there) = (centre(poses), centre(truth));
+    let pairs: Vec<[f64; 4]> = poses
+        .iter()
+        .zip(truth)
+        .map(|(pose, truth)| {
+            [
+                pose.x_m - here[0],
+                pose.y_m - here[1],
+                truth.x_m - there[0],
+                truth.y_m - there[1],
+            ]
+        })
+        .collect();
+    let (dot, cross) = pairs.iter().fold((0.0, 0.0), |(dot, cross), [x, y, u, v]| {
+        (dot + x * u + y * v, cross + x * v - y * u)
+    });
+    let (sin, cos) = f64::atan2(cross, dot).sin_cos();
+    let squares: f64 = pairs
+        .iter()
+        .map(|[x, y, u, v]| (cos * x - sin * y - u).powi(2) + (sin * x + cos * y - v).powi(2))
+        .sum();
+    (squares / count).sqrt()
+}
+
+/// Root mean square error of the way from each pose to the next, seen from the pose, metres: `evo_rpe tum truth.tum
+/// est.tum`. `NaN` with fewer than two poses.
+pub fn relative_rmse_m(poses: &[Pose], truth: &[Pose]) -> f64 {
+    let squares: Vec<f64> = poses
+        .windows(2)
+        .zip(truth.windows(2))
+        .map(|(ours, truth)| {
+            let [x, y] = way(&ours[0], &ours[1]);
+            let [u, v] = way(&truth[0], &truth[1]);
+            (x - u).powi(2) + (y - v).powi(2)
+        })
+        .collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+/// The place of one pose as seen from another.
+fn way(from: &Pose, to: &Pose) -> [f64; 2] {
+    let (sin, cos) = from.heading_rad.sin_cos();
+    let (x, y) = (to.x_m - from.x_m, to.y_m - from.y_m);
+    [cos * x + sin * y, cos * y - sin * x]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drive() -> Vec<Pose> {
+        (0..200)
+            .map(|k| {
+                let t = 0.05 * f64::from(k);
+                Pose {
+                    x_m: t.sin() + 0.1 * t,
+                    y_m: (0.7 * t).cos(),
+                    heading_rad: 0.3 * t,
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_rigid_motion_is_no_error_after_alignment() {
+        for (turn, x_m, y_m) in [(0.0, 0.3, -2.0), (1.3, 0.0, 0.0), (-3.0, 5.0, 7.0)] {
+            let (sin, cos) = f64::sin_cos(turn);
+            let moved: Vec<Pose> = drive()
+                .iter()
+                .map(|pose| Pose {
+                    x_m: cos * pose.x_m - sin * pose.y_m + x_m,
+                    y_m: sin * pose.x_m + cos * pose.y_m + y_m,
+                    heading_rad: pose.heading_rad + turn,
+                })
+                .collect();
+            assert!(aligned_rmse_m(&moved, &drive()) < 1e-12);
+            assert!(relative_rmse_m(&moved, &drive()) < 1e-12);
+        }
+    }
+
+    #[test]
+    fn errors_that_alternate_stay() {
+        let off: Vec<Pose> = drive()
+            .iter()
+            .enumerate()
+            .map(|(k, pose)| Pose {
+                x_m: pose.x_m + [0.01, -0.01][k % 2],
+                ..*pose
+            })
+            .collect();
+        assert!((aligned_rmse_m(&off, &drive()) - 0.01).abs() < 1e-4);
+        assert!((relative_rmse_m(&off, &drive()) - 0.02).abs() < 1e-6);
+        assert!(aligned_rmse_m(&[], &[]).is_nan() && relative_rmse_m(&off[..1], &off).is_nan());
+    }
+}

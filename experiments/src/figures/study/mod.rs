@@ -1,0 +1,133 @@
+//! Figures of a study file, from its summary and data alone.
+
+mod bars;
+mod curve;
+mod differences;
+mod distribution;
+mod paths;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use plotters::style::RGBColor;
+
+use super::drawing::colour;
+use super::drawing::stroke::{Marker, Stroke};
+use super::drawing::style::method_style;
+use crate::study::cells::{in_words, short};
+use crate::study::file::{FigureChoice, MethodName};
+use crate::study::{CellScores, Study, StudySummary};
+
+pub(crate) use self::differences::draw as draw_differences;
+
+/// Most lines of one figure; more cannot be told apart.
+const MOST_LINES: usize = 12;
+
+/// A line of a figure.
+struct Line {
+    name: String,
+    stroke: Stroke,
+    marker: Marker,
+}
+
+/// Styles of `count` lines: those of the methods where each line is a method, else colours and dashes in turn.
+fn lines(names: &[(MethodName, String)]) -> Vec<Line> {
+    const COLOURS: [RGBColor; 7] = [
+        colour::BLUE,
+        colour::ORANGE,
+        colour::GREEN,
+        colour::VERMILLION,
+        colour::SKY,
+        colour::PURPLE,
+        colour::GREY,
+    ];
+    const DASHES: [&[f64]; 3] = [&[], &[22.0, 9.0], &[6.0, 9.0]];
+    const MARKERS: [Marker; 4] = [
+        Marker::Disc,
+        Marker::Triangle,
+        Marker::Square,
+        Marker::Diamond,
+    ];
+    let methods_only = names.iter().all(|(_, cell)| cell.is_empty());
+    let several = names.iter().any(|(method, _)| *method != names[0].0);
+    names
+        .iter()
+        .enumerate()
+        .map(|(index, (method, cell))| {
+            let (style, word) = method_style(method.name());
+            let stroke = match methods_only {
+                true => style,
+                false => Stroke::solid(COLOURS[index % COLOURS.len()], 4.5)
+                    .dashed(DASHES[index / COLOURS.len() % DASHES.len()]),
+            };
+            let name = match (cell.is_empty(), several) {
+                (true, _) => word.to_string(),
+                (false, false) => cell.clone(),
+                (false, true) => format!("{word}, {cell}"),
+            };
+            Line {
+                name,
+                stroke,
+                marker: MARKERS[index % MARKERS.len()],
+            }
+        })
+        .collect()
+}
+
+/// A number with as many digits as it needs.
+fn number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_string(),
+        size if size >= 100.0 => format!("{value:.0}"),
+        size if size >= 1.0 => format!("{value:.2}"),
+        size if size >= 0.02 => format!("{value:.3}"),
+        _ => format!("{value:.4}"),
+    }
+}
+
+/// What tells a cell from the others, in words.
+fn cell_in_words(cell: &CellScores) -> String {
+    let parts = cell
+        .labels
+        .iter()
+        .map(|(name, value)| in_words(name, value));
+    parts.collect::<Vec<_>>().join(", ")
+}
+
+/// Draws the figures of a study from its folder of results.
+///
+/// # Errors
+/// When a data file is missing or damaged, or a picture cannot be written.
+pub(crate) fn draw(study: &Study, results: &Path) -> Result<Vec<PathBuf>> {
+    let summary = StudySummary::read(&results.join("summary.json"))?;
+    let (data, figures) = (results.join("data"), results.join("figures"));
+    let mut drawn = Vec::new();
+    let mut paths = 0;
+    for figure in study.figures() {
+        let picture = |name: &str| figures.join(format!("{name}.png"));
+        drawn.push(match &figure {
+            FigureChoice::Curve { over, measure } => {
+                let picture = picture(&format!("{}_over_{}", measure.name(), short(over)));
+                curve::draw(&summary, over, *measure, &picture)?;
+                picture
+            }
+            FigureChoice::Bars { measure } => {
+                let picture = picture(&format!("{}_bars", measure.name()));
+                bars::draw(&summary, *measure, &picture)?;
+                picture
+            }
+            FigureChoice::Cdf {} => {
+                let picture = picture("error_cdf");
+                distribution::draw(study, &data, &picture)?;
+                picture
+            }
+            FigureChoice::Paths { .. } => {
+                let picture = picture(&format!("paths_{paths}"));
+                paths::draw(&data, paths, &picture)?;
+                paths += 1;
+                picture
+            }
+        });
+    }
+    Ok(drawn)
+}

@@ -1,0 +1,165 @@
+//! Running a study: simulations, trials, results.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::Result;
+
+use super::claims::Trials;
+use super::plan::Plan;
+use super::scores::{self, Row};
+use super::summary::{CellScores, StudySummary};
+use super::{FigureChoice, Study, tasks};
+use crate::data::layout::Layout;
+use crate::data::table::{Table, cell};
+use crate::metrics::quantile;
+use crate::run::provenance::{Provenance, peak_memory_mib};
+use crate::session::Workspace;
+use crate::trials::TrialResult;
+
+/// Steps of a distribution of errors.
+const QUANTILES: usize = 200;
+
+/// Does the tasks of a study that are left and writes data and summary into `results`. What is in the cache is not
+/// computed again: interrupted, the same call goes on, and several calls at once share the work.
+///
+/// # Errors
+/// The first failure of a simulation, trial or file, or an interruption by the user.
+pub fn run(
+    study: &Study,
+    plan: &Plan,
+    workspace: &Workspace,
+    results: &Path,
+) -> Result<StudySummary> {
+    let mut seconds = BTreeMap::new();
+    let mut stage = |name: &str, started: Instant| {
+        let rounded = (started.elapsed().as_secs_f64() * 10.0).round() / 10.0;
+        seconds.insert(name.to_string(), rounded);
+    };
+    let started = Instant::now();
+    tasks::simulate(plan, workspace)?;
+    stage("simulations", started);
+    let started = Instant::now();
+    tasks::run_trials(study, plan, workspace)?;
+    stage("trials", started);
+    gather(study, plan, workspace, results, seconds)
+}
+
+/// Writes data and summary of a study whose tasks are all done into `results`; `seconds` are the durations of stages
+/// before.
+///
+/// # Errors
+/// When a task is not done, or a file cannot be written.
+pub fn gather(
+    study: &Study,
+    plan: &Plan,
+    workspace: &Workspace,
+    results: &Path,
+    seconds: BTreeMap<String, f64>,
+) -> Result<StudySummary> {
+    let found = tasks::results(study, plan, workspace)?;
+    let provenance = Provenance {
+        seconds,
+        peak_memory_mib: peak_memory_mib(),
+        ..Provenance::here()
+    };
+    let methods = study.methods();
+    let rows: Vec<Row> = plan
+        .trials
+        .iter()
+        .zip(&found)
+        .map(|(planned, result)| Row::of(planned.cell, planned.method, planned.draw, result))
+        .collect();
+    let data = results.join("data");
+    scores::write(&data.join("trials.csv"), &rows, &study.cells, &methods)?;
+    write_distributions(study, plan, &found, &data)?;
+    write_paths(study, plan, &found, &data)?;
+    let trials = Trials {
+        cells: &study.cells,
+        methods: &methods,
+        rows: rows.iter().collect(),
+    };
+    let claims = study.file.claims.iter().map(|claim| claim.judge(&trials));
+    let summary = StudySummary {
+        study: study.file.clone(),
+        provenance,
+        cells: CellScores::all(study, &rows),
+        claims: claims.collect(),
+    };
+    summary.write(&results.join("summary.json"))?;
+    Ok(summary)
+}
+
+/// Writes the distribution of the errors of each cell and method, over all its trials and times.
+fn write_distributions(
+    study: &Study,
+    plan: &Plan,
+    found: &[TrialResult],
+    data: &Path,
+) -> Result<()> {
+    let mut errors: BTreeMap<(usize, usize), Vec<f64>> = BTreeMap::new();
+    for (planned, result) in plan.trials.iter().zip(found) {
+        errors
+            .entry((planned.cell, planned.method))
+            .or_default()
+            .extend(&result.error_m);
+    }
+    let methods = study.methods();
+    let mut table = Table::new(["cell", "method", "share", "error_m"]);
+    for ((number, method), mut errors) in errors {
+        errors.sort_by(f64::total_cmp);
+        for step in 0..=QUANTILES {
+            let share = step as f64 / QUANTILES as f64;
+            if errors.is_empty() {
+                continue;
+            }
+            table.push([
+                study.cells[number].name(),
+                methods[method].name().to_string(),
+                cell(share, 4),
+                cell(quantile(&errors, share), 5),
+            ]);
+        }
+    }
+    table.write(&data.join("distribution.csv"))
+}
+
+/// Writes walls, truth and estimates of the first trial of each method in the cells whose paths are drawn.
+fn write_paths(study: &Study, plan: &Plan, found: &[TrialResult], data: &Path) -> Result<()> {
+    let figures = study.figures();
+    let cells = figures.iter().filter_map(|figure| match figure {
+        FigureChoice::Paths { cell } => study.cells.iter().position(|known| known.has(cell)),
+        _ => None,
+    });
+    for (number, index) in cells.enumerate() {
+        let mut table = Table::new(["method", "t_s", "x_m", "y_m"]);
+        let mut add = |method: &str, t_s: f64, x_m: f64, y_m: f64| {
+            table.push([method.to_string(), cell(t_s, 3), cell(x_m, 4), cell(y_m, 4)]);
+        };
+        let mut drawn = Vec::new();
+        for (planned, result) in plan.trials.iter().zip(found) {
+            if planned.cell != index || drawn.contains(&planned.method) {
+                continue;
+            }
+            if drawn.is_empty() {
+                let scene = &plan.setups[planned.session].scene;
+                Layout::of(scene).write(&data.join(format!("layout_{number}.json")))?;
+                let path = scene.path("localization")?;
+                let steps = (path.duration_s() * 10.0) as usize;
+                for step in 0..=steps {
+                    let t_s = 0.1 * step as f64;
+                    let state = path.state_at(t_s);
+                    add("truth", t_s, state.x_m, state.y_m);
+                }
+            }
+            drawn.push(planned.method);
+            let name = study.methods()[planned.method].name();
+            for ((&t_s, &x_m), &y_m) in result.t_s.iter().zip(&result.x_m).zip(&result.y_m) {
+                add(name, t_s, x_m, y_m);
+            }
+        }
+        table.write(&data.join(format!("paths_{number}.csv")))?;
+    }
+    Ok(())
+}

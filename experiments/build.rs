@@ -1,28 +1,32 @@
-//! Hashes the localizer's source, so that cached trials of other code are not reused.
+//! Hashes sources, so that cached trials and measured laws of other code are not reused.
 
 use std::hash::Hasher;
 use std::path::{Path, PathBuf};
 
 use fnv::FnvHasher;
 
-/// From the package's folder, where build scripts run; relative, so that a copied build folder is not up to date by
-/// mistake.
-const LOCALIZER: &str = "../localizer/src";
+/// Folders by the variable that holds their hash: from the package's folder, where build scripts run; relative, so
+/// that a copied build folder is not up to date by mistake.
+const HASHED: [(&str, &[&str]); 2] = [
+    ("LOCALIZER_FINGERPRINT", &["../localizer/src"]),
+    ("FIELD_FINGERPRINT", &["../fdtd/src", "../oracles/src"]),
+];
 
 fn main() {
-    println!("cargo::rerun-if-changed={LOCALIZER}");
-    let mut files = Vec::new();
-    collect(Path::new(LOCALIZER), &mut files);
-    files.sort();
-    let mut hasher = FnvHasher::default();
-    for file in files {
-        println!("cargo::rerun-if-changed={}", file.display());
-        hasher.write(&std::fs::read(&file).unwrap_or_default());
+    for (variable, folders) in HASHED {
+        let mut files = Vec::new();
+        for folder in folders {
+            println!("cargo::rerun-if-changed={folder}");
+            collect(Path::new(folder), &mut files);
+        }
+        files.sort();
+        let mut hasher = FnvHasher::default();
+        for file in files {
+            println!("cargo::rerun-if-changed={}", file.display());
+            hasher.write(&std::fs::read(&file).unwrap_or_default());
+        }
+        println!("cargo::rustc-env={variable}={:016x}", hasher.finish());
     }
-    println!(
-        "cargo::rustc-env=LOCALIZER_FINGERPRINT={:016x}",
-        hasher.finish()
-    );
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {

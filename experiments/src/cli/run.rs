@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
 
 use super::arguments::{ForceArgument, ParameterArguments, threads};
 use super::output::{print, print_json};
@@ -22,7 +23,8 @@ use crate::summary::table;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot run my_study.json --dry-run\n  echolot run my_study.json\n  \
-    echolot run studies/ensemble.json --only 'scene=random open' --engine image-source\n  \
+    echolot run studies/papers/ensemble.json --only 'scene=random open'\n  \
+    echolot run my_study.json --on slurm --array-size 20 --partition short --threads 2\n  \
     echolot run odometry-drift snr --preset paper\n\n\
     Recordings and trials are cached: what is there is not computed again, and an interrupted run goes on where \
     it stopped. A study file says what is simulated, what varies and what is claimed (docs/how-to/new-study.md); \
@@ -64,9 +66,47 @@ pub(crate) struct Arguments {
     #[arg(long)]
     no_figures: bool,
     #[command(flatten)]
+    cluster: ClusterArguments,
+    #[command(flatten)]
     parameters: ParameterArguments,
     #[command(flatten)]
     force: ForceArgument,
+}
+
+/// What runs the tasks of a study file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Manager {
+    /// Workers that Slurm starts.
+    Slurm,
+}
+
+/// Arguments for a cluster.
+#[derive(Debug, clap::Args)]
+struct ClusterArguments {
+    /// Let a cluster do the tasks: an array of workers on the cache, which all nodes must see.
+    #[arg(long, value_enum, value_name = "MANAGER")]
+    on: Option<Manager>,
+    /// Workers.
+    #[arg(long, value_name = "N", default_value_t = 8, requires = "on", value_parser = workers)]
+    array_size: usize,
+    /// Partition of the cluster.
+    #[arg(long, value_name = "NAME", requires = "on")]
+    partition: Option<String>,
+    /// Limit of time of a worker, as `sbatch --time` takes it.
+    #[arg(long, value_name = "TIME", requires = "on")]
+    time: Option<String>,
+    /// One more argument of `sbatch`; may be repeated.
+    #[arg(long, value_name = "ARG", requires = "on", allow_hyphen_values = true)]
+    sbatch_arg: Vec<String>,
+}
+
+/// Reads a number of workers.
+fn workers(text: &str) -> Result<usize, String> {
+    let count = text
+        .parse()
+        .ok()
+        .filter(|count| (1..=10_000).contains(count));
+    count.ok_or_else(|| "give 1 to 10000".to_string())
 }
 
 /// The papers' studies with these names, or those of the preset, in their own order.
@@ -189,11 +229,15 @@ impl Arguments {
                 let results = self.results.join(&study.file.name);
                 check_place(&results, &file, self.force.force)?;
             }
-            studies.push(study);
+            studies.push((file, study));
         }
-        let workspace = Workspace::new(self.cache(), self.side_by_side);
+        if self.cluster.on.is_some() && (self.engine.is_some() || !self.only.is_empty()) {
+            bail!("--engine and --only: cannot be had on a cluster; put them into the study file");
+        }
+        let cache = self.cache();
+        let workspace = Workspace::new(&cache, self.side_by_side);
         let mut summaries = Vec::new();
-        for study in &studies {
+        for (file, study) in &studies {
             let plan = Plan::new(study, &self.only, &workspace)
                 .with_context(|| format!("study {}", study.file.name))?;
             let text = plan.text(study, &workspace)?;
@@ -207,8 +251,13 @@ impl Arguments {
             }
             eprint!("{text}");
             let results = self.results.join(&study.file.name);
-            let summary = study::run(study, &plan, &workspace, &results)?;
-            if !self.no_figures {
+            let summary = match self.cluster.on {
+                None => study::run(study, &plan, &workspace, &results)?,
+                Some(Manager::Slurm) => {
+                    study::slurm::run(study, &plan, &workspace, &self.request(file, cache.clone()))?
+                }
+            };
+            if !self.no_figures && self.cluster.on.is_none() {
                 figures::study::draw(study, &results)?;
             }
             if !json {
@@ -223,10 +272,24 @@ impl Arguments {
         }
     }
 
+    /// What is asked of Slurm for a study.
+    fn request(&self, study: &Path, cache: PathBuf) -> study::slurm::Request {
+        study::slurm::Request {
+            study: study.to_path_buf(),
+            results: self.results.clone(),
+            cache,
+            array_size: self.cluster.array_size,
+            threads: self.threads.max(1),
+            partition: self.cluster.partition.clone(),
+            time: self.cluster.time.clone(),
+            sbatch: self.cluster.sbatch_arg.clone(),
+        }
+    }
+
     /// Runs studies of the papers.
     fn run_papers(self, json: bool) -> Result<()> {
-        if self.dry_run || !self.only.is_empty() {
-            bail!("--dry-run and --only: are for study files; name one");
+        if self.dry_run || !self.only.is_empty() || self.cluster.on.is_some() {
+            bail!("--dry-run, --only and --on: are for study files; name one");
         }
         let preset = self.preset.unwrap_or(Preset::Paper);
         let studies = chosen(&self.studies, preset)?;

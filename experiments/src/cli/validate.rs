@@ -16,17 +16,20 @@ use crate::validate::{self, Resume};
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot validate --full\n  echolot validate --full echoes impedance\n\n\
-    Exits with 1 when a measurement is outside its tolerance. Without LAW writes results/validation: \
-    validation.json, table.md, data and figures; interrupted, the same command goes on after the laws that were \
-    measured."
+    Exits with 1 when a measurement is outside its tolerance. Laws that were measured with the present sources of field \
+    and laws are not measured again; interrupted, the same command goes on. Without LAW writes results/validation: \
+    validation.json, table.md, data and figures."
 )]
 pub(crate) struct Arguments {
-    /// Only laws whose name contains one of these; writes no files.
+    /// Only laws whose name contains one of these; table and figures stay as they are.
     #[arg(value_name = "LAW", conflicts_with = "figures_only")]
     laws: Vec<String>,
     /// All cases of every law instead of a few.
     #[arg(long)]
     full: bool,
+    /// Measure also what was measured with the present sources.
+    #[arg(long, conflicts_with = "figures_only")]
+    anew: bool,
     /// Draw the figures from the existing data, without measuring.
     #[arg(long, conflicts_with = "full")]
     figures_only: bool,
@@ -52,12 +55,11 @@ impl Arguments {
         let depth = if self.full { Depth::Full } else { Depth::Quick };
         let started = Instant::now();
         let whole = self.laws.is_empty();
-        let resume = (whole.then(|| Resume::below(&self.results, depth))).transpose()?;
-        let rows = validate::run(&self.chosen()?, depth, resume.as_ref())?;
-        if let Some(resume) = resume {
+        let resume = Resume::below(&self.results, depth);
+        let rows = validate::run(&self.chosen()?, depth, &resume, self.anew)?;
+        if whole {
             validate::write(&rows, depth, &folder)?;
             figures::draw_validation(&folder)?;
-            resume.clear()?;
         }
         if json {
             print_json(&rows)?;

@@ -13,6 +13,7 @@ mod plan;
 mod run;
 pub mod scores;
 mod settings;
+pub mod slurm;
 mod summary;
 pub mod tasks;
 

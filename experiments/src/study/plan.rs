@@ -60,7 +60,12 @@ impl Plan {
     /// can wait for, a cell that does not exist.
     pub fn new(study: &Study, only: &[String], workspace: &Workspace) -> Result<Self> {
         let chosen = chosen(&study.cells, only)?;
-        let resolver = Resolver::default();
+        let resolver = Resolver::new(&workspace.cache);
+        let sources = chosen.iter().flat_map(|&cell| &study.cells[cell].sources);
+        let mut sources: Vec<&Source> = sources.collect();
+        sources.sort();
+        sources.dedup();
+        resolver.prepare(&sources)?;
         let mut plan = Self {
             trials: Vec::new(),
             setups: Vec::new(),

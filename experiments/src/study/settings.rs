@@ -7,10 +7,12 @@ use std::sync::{Arc, Mutex};
 use anyhow::{Context, Result, anyhow, bail};
 use fdtd::scene::{LayoutKind, Scene, random};
 use localizer::{Parameters, landmarks};
+use rayon::prelude::*;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::file::{MethodName, RandomKind, Settings};
+use crate::data::cache::{Cache, Key};
 use crate::recordings::robot::Robot;
 use crate::recordings::spec::{Engine, IMAGE_ORDER, ODOMETRY_BIAS_RADPS};
 use crate::recordings::waveform::parameters_of;
@@ -26,7 +28,7 @@ const MOST_BIAS_RADPS: f64 = 10.0;
 const BIAS: &str = "odometry_bias_radps";
 
 /// Where a scene's text comes from.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Source {
     /// A file.
     File(PathBuf),
@@ -47,9 +49,9 @@ pub(super) struct Resolved {
     pub(super) identity: String,
 }
 
-/// Puts values into scenes, which are parsed once.
-#[derive(Default)]
+/// Puts values into scenes, which are parsed once. Layouts drawn at random are kept in the cache.
 pub(super) struct Resolver {
+    cache: Cache,
     texts: Mutex<HashMap<Source, Value>>,
     scenes: Mutex<HashMap<String, Arc<Scene>>>,
 }
@@ -117,7 +119,50 @@ fn typed<'de, T: Deserialize<'de>>(name: &str, value: &'de Value) -> Result<T> {
     T::deserialize(value).map_err(|error| anyhow!("{name}: {value}: {error}"))
 }
 
+/// A layout drawn at random, from the cache where it has it: a mapping drive that explores takes a while to draw.
+fn layout(kind: &str, seed: u64, cache: &Cache) -> Result<Value> {
+    let mut key = Key::new("layout");
+    key.text("field", env!("FIELD_FINGERPRINT"));
+    key.text("layout", kind);
+    key.value("seed", &seed)?;
+    let key = key.finish();
+    if cache.has("layouts", &key)
+        && let Some(known) = cache.get("layouts", &key)
+    {
+        return Ok(known);
+    }
+    let layout = random::layout(
+        match kind {
+            "open" => LayoutKind::Open,
+            _ => LayoutKind::Room,
+        },
+        seed,
+    );
+    cache.put("layouts", &key, &layout)?;
+    Ok(layout)
+}
+
 impl Resolver {
+    /// A resolver whose layouts are kept in a cache.
+    pub(super) fn new(cache: &Cache) -> Self {
+        Self {
+            cache: cache.clone(),
+            texts: Mutex::default(),
+            scenes: Mutex::default(),
+        }
+    }
+
+    /// Reads or draws scenes, several at a time.
+    ///
+    /// # Errors
+    /// When a file cannot be read, or the cache cannot be written.
+    pub(super) fn prepare(&self, sources: &[&Source]) -> Result<()> {
+        sources
+            .par_iter()
+            .with_max_len(1)
+            .try_for_each(|source| self.text(source).map(drop))
+    }
+
     /// The JSON of a scene before values are put into it.
     fn text(&self, source: &Source) -> Result<Value> {
         if let Some(known) = self
@@ -130,13 +175,7 @@ impl Resolver {
         }
         let text: Value = match source {
             Source::File(file) => crate::data::json::read(file)?,
-            Source::Random(kind, seed) => {
-                let kind = match *kind {
-                    "open" => LayoutKind::Open,
-                    _ => LayoutKind::Room,
-                };
-                random::layout(kind, *seed)
-            }
+            Source::Random(kind, seed) => layout(kind, *seed, &self.cache)?,
         };
         if let Ok(mut texts) = self.texts.lock() {
             texts.insert(source.clone(), text.clone());

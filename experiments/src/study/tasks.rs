@@ -58,6 +58,15 @@ impl Plan {
         simulations.chain(batches).collect()
     }
 
+    /// Number of tasks whose results are in the cache, by a quick look.
+    pub fn done(&self, workspace: &Workspace) -> u64 {
+        let jobs = self.jobs.iter();
+        let simulated = jobs.filter(|(job, _)| workspace.cache.recording(&job.key).is_dir());
+        let batches = self.batches.iter();
+        let run = batches.filter(|batch| self.is_done(batch, workspace));
+        (simulated.count() + run.count()) as u64
+    }
+
     /// Name of a batch for people.
     fn label(&self, study: &Study, batch: &Batch) -> String {
         let first = batch.members.first().map(|&index| &self.trials[index]);

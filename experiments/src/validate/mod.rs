@@ -22,34 +22,30 @@ pub use self::resume::Resume;
 pub use self::row::Row;
 pub use self::table::{laws, table};
 
-/// Measures laws, except those that an interrupted run has measured. Several run in parallel; the order of the rows
+/// Measures laws, except those that have been measured with the present sources. Several run in parallel; the order of the rows
 /// does not depend on it. Ctrl-C ends the program at once.
 ///
 /// # Errors
 /// When a field becomes non-finite, or a file of measurements cannot be written.
-pub fn run(laws: &[Law], depth: Depth, resume: Option<&Resume>) -> Result<Vec<Row>> {
+pub fn run(laws: &[Law], depth: Depth, resume: &Resume, anew: bool) -> Result<Vec<Row>> {
     let _at_once = interrupt::at_once();
     let board = Board::new();
     let all: u64 = laws.iter().map(|law| effort(law, depth)).sum();
     let task = board.task("validate", all);
     let known: Vec<_> = (laws.iter())
-        .map(|law| resume.and_then(|resume| resume.read(law.name)))
+        .map(|law| resume.read(law.name).filter(|_| !anew))
         .collect();
     let of_known = laws.iter().zip(&known).filter(|(_, known)| known.is_some());
     let done = AtomicU64::new(of_known.map(|(law, _)| effort(law, depth)).sum());
     task.set(done.load(Ordering::Relaxed));
-    if resume.is_some() {
-        let (measured, of) = (known.iter().flatten().count(), laws.len());
-        board.say(format!(
-            "{measured} of {of} laws are measured; interrupt at any time, the same command goes on"
-        ));
-    }
+    let (measured, of) = (known.iter().flatten().count(), laws.len());
+    board.say(format!(
+        "{measured} of {of} laws are measured with the present sources; interrupt at any time, the same command goes on"
+    ));
     let measure = |law: &Law| -> Result<Vec<Measurement>> {
         let started = Instant::now();
         let measurements = (law.measure)(depth)?;
-        if let Some(resume) = resume {
-            resume.write(law.name, &measurements)?;
-        }
+        resume.write(law.name, &measurements)?;
         let taken = duration(started.elapsed().as_secs_f64());
         board.say(format!("measured {} in {taken}", law.name));
         let effort = effort(law, depth);
@@ -114,9 +110,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn laws_of_an_interrupted_run_are_not_measured_again() {
+    fn laws_that_are_measured_are_not_measured_again() {
         let results = tempfile::tempdir().unwrap();
-        let resume = Resume::below(results.path(), Depth::Quick).unwrap();
+        let resume = Resume::below(results.path(), Depth::Quick);
         let number = |x: f64| vec![Measurement::below("case".to_string(), "level, dB", x, 1.0)];
         let law = |name, measure| Law {
             name,
@@ -135,13 +131,14 @@ mod tests {
             }),
         ];
         resume.write("known", &number(0.5)).unwrap();
-        let rows = run(&laws, Depth::Quick, Some(&resume)).unwrap();
+        let rows = run(&laws, Depth::Quick, &resume, false).unwrap();
         let said: Vec<_> = (rows.iter())
             .map(|row| (row.law, row.measurement.measured, row.passed))
             .collect();
         assert_eq!(said, [("known", 0.5, true), ("new", 2.0, false)]);
         assert_eq!(resume.read("new"), Some(number(2.0)));
-        let anew = run(&laws[1..], Depth::Quick, None).unwrap();
-        assert_eq!(anew.len(), 1);
+        resume.write("new", &number(0.1)).unwrap();
+        let anew = run(&laws[1..], Depth::Quick, &resume, true).unwrap();
+        assert_eq!(anew[0].measurement.measured, 2.0);
     }
 }

@@ -13,6 +13,7 @@ mod interruption;
 mod landmarks;
 mod robot;
 mod room;
+mod slurm;
 mod snapshots;
 mod studies;
 mod trust;

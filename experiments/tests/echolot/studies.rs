@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::room::{echolot, expect, refuse, scene_file};
 
 /// Writes a study of the room.
-fn study_file(folder: &Path, changes: &[(&str, Value)]) {
+pub(crate) fn study_file(folder: &Path, changes: &[(&str, Value)]) {
     scene_file(folder);
     let mut study = json!({
         "name": "mine",
@@ -220,7 +220,10 @@ fn a_study_replaces_only_its_own_results() {
     std::fs::create_dir_all(at.join("results/mine")).unwrap();
     std::fs::write(at.join("results/mine/summary.json"), "{\"my\": \"notes\"}").unwrap();
     let refused = refuse(at, &["run", "mine.json"]);
-    assert!(refused.contains("summary.json") && refused.contains("--force"), "{refused}");
+    assert!(
+        refused.contains("summary.json") && refused.contains("--force"),
+        "{refused}"
+    );
     for (arguments, word) in [
         (&["run", "mine.json", "--preset", "quick"][..], "--preset"),
         (&["run", "mine.json", "snr"][..], "snr"),

@@ -27,8 +27,10 @@ struct PlainField<N> {
     layer_x: Vec<N>,
     layer_y: Vec<N>,
     surfaces: Vec<N>,
-    /// Quantity whose second difference the layers take, for the cells of three rows or of one with its neighbours.
+    /// Quantity whose second difference the layers take, for the cells of three rows.
     layered: [Vec<N>; 3],
+    /// The same for the cells of one row beside a side, with their neighbours.
+    beside: Vec<N>,
 }
 
 impl<N: Real> PlainField<N> {
@@ -44,6 +46,7 @@ impl<N: Real> PlainField<N> {
             layer_y: vec![N::default(); 2 * cells * 3 * setup.nx],
             surfaces: vec![N::default(); setup.surfaces.memory_count()],
             layered: std::array::from_fn(|_| vec![N::default(); setup.nx]),
+            beside: vec![N::default(); width + 2],
             setup,
         }
     }
@@ -73,6 +76,8 @@ impl<N: Real> PlainField<N> {
     fn rows(&mut self, flush: bool) {
         let (nx, ny, stride) = (self.setup.nx, self.setup.ny, self.stride());
         let (cells, width) = (self.setup.layer.cells(), self.setup.layer.width());
+        // Rows one below the other share two of their three rows of the layered quantity.
+        let mut layered_below = None;
         for iy in 0..ny {
             let start = (iy + RIM) * stride + RIM;
             let row = |dy: isize| {
@@ -103,12 +108,19 @@ impl<N: Real> PlainField<N> {
             if let (Some(decay), Some(at)) =
                 (self.setup.layer.row(ny, iy), layer_row(cells, ny, iy))
             {
-                for (dy, layered) in [-1, 0, 1].into_iter().zip(&mut self.layered) {
+                let is_next = iy > 0 && layered_below == Some(iy - 1);
+                let new = if is_next { 2 } else { 0 };
+                if is_next {
+                    self.layered.rotate_left(1);
+                }
+                let rows = [-1, 0, 1].into_iter().zip(&mut self.layered);
+                for (dy, layered) in rows.skip(new) {
                     let at = |along: isize, across: isize| {
                         &row(dy + along)[(RIM as isize + across) as usize..]
                     };
                     layered_row(scheme, &weights, at, layered);
                 }
+                layered_below = Some(iy);
                 let memory = &mut self.layer_y[at * 3 * nx..(at + 1) * 3 * nx];
                 if flush {
                     flush_subnormals(memory);
@@ -127,7 +139,7 @@ impl<N: Real> PlainField<N> {
                 let at = |along: isize, across: isize| {
                     &row(across)[((RIM + first) as isize - 1 + along) as usize..]
                 };
-                let layered = &mut self.layered[0][..width + 2];
+                let layered = &mut self.beside[..width + 2];
                 layered_row(scheme, &weights, at, layered);
                 let layered = [&layered[..width], &layered[1..=width], &layered[2..]];
                 let (lower, upper) = (&profile.face[..width], &profile.face[1..=width]);

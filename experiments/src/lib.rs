@@ -12,6 +12,7 @@ pub mod inspection;
 pub mod metrics;
 pub mod papers;
 pub mod recordings;
+pub mod report;
 pub mod run;
 pub mod schedule;
 pub mod scores;

@@ -15,6 +15,7 @@ mod map;
 mod output;
 mod record;
 mod reference;
+mod report;
 mod robustness;
 mod run;
 mod scene;
@@ -77,6 +78,8 @@ enum Command {
     Task(tasks::TaskArguments),
     /// Write the results of a study whose tasks are done.
     Gather(tasks::GatherArguments),
+    /// Write the results of a study as one page.
+    Report(report::Arguments),
     /// Compare two results of a study, trial by trial.
     Compare(compare::Arguments),
     /// Draw the figures from data files.
@@ -118,6 +121,7 @@ impl Cli {
             Command::Plan(arguments) => arguments.run(json),
             Command::Task(arguments) => arguments.run(),
             Command::Gather(arguments) => arguments.run(json),
+            Command::Report(arguments) => arguments.run(),
             Command::Compare(arguments) => arguments.run(json),
             Command::Figures(arguments) => arguments.run(json),
             Command::Check(arguments) => arguments.run(json),

@@ -21,7 +21,8 @@ use crate::validate::{self, Resume};
     validation.json, table.md, data and figures."
 )]
 pub(crate) struct Arguments {
-    /// Only laws whose name contains one of these; table and figures stay as they are.
+    /// Only laws whose name contains one of these; table and figures stay as they are, and without --full no file is
+    /// written.
     #[arg(value_name = "LAW", conflicts_with = "figures_only")]
     laws: Vec<String>,
     /// All cases of every law instead of a few.
@@ -55,8 +56,9 @@ impl Arguments {
         let depth = if self.full { Depth::Full } else { Depth::Quick };
         let started = Instant::now();
         let whole = self.laws.is_empty();
-        let resume = Resume::below(&self.results, depth);
-        let rows = validate::run(&self.chosen()?, depth, &resume, self.anew)?;
+        // A look at single laws in a few cases leaves no file.
+        let resume = (whole || self.full).then(|| Resume::below(&self.results, depth));
+        let rows = validate::run(&self.chosen()?, depth, resume.as_ref(), self.anew)?;
         if whole {
             validate::write(&rows, depth, &folder)?;
             figures::draw_validation(&folder)?;

@@ -62,6 +62,14 @@ impl Study {
         Self::checked(file, folder).with_context(|| origin.display().to_string())
     }
 
+    /// The study that a summary holds; its scenes need not be there any more.
+    ///
+    /// # Errors
+    /// As [`Study::load`].
+    pub fn of_results(file: &StudyFile) -> Result<Self> {
+        Self::checked(file.clone(), PathBuf::new())
+    }
+
     fn checked(file: StudyFile, folder: PathBuf) -> Result<Self> {
         let is_name = |text: &str| {
             !text.is_empty()

@@ -133,9 +133,11 @@ fn write_paths(study: &Study, plan: &Plan, found: &[TrialResult], data: &Path) -
         _ => None,
     });
     for (number, index) in cells.enumerate() {
-        let mut table = Table::new(["method", "t_s", "x_m", "y_m"]);
-        let mut add = |method: &str, t_s: f64, x_m: f64, y_m: f64| {
-            table.push([method.to_string(), cell(t_s, 3), cell(x_m, 4), cell(y_m, 4)]);
+        let header = ["method", "t_s", "x_m", "y_m", "heading_rad", "error_m"];
+        let mut table = Table::new(header);
+        let mut add = |method: &str, t_s: f64, [x_m, y_m, heading_rad, error_m]: [f64; 4]| {
+            let places = [x_m, y_m, heading_rad, error_m].map(|value| cell(value, 4));
+            table.push([method.to_string(), cell(t_s, 3)].into_iter().chain(places));
         };
         let mut drawn = Vec::new();
         for (planned, result) in plan.trials.iter().zip(found) {
@@ -150,13 +152,15 @@ fn write_paths(study: &Study, plan: &Plan, found: &[TrialResult], data: &Path) -
                 for step in 0..=steps {
                     let t_s = 0.1 * step as f64;
                     let state = path.state_at(t_s);
-                    add("truth", t_s, state.x_m, state.y_m);
+                    add("truth", t_s, [state.x_m, state.y_m, state.heading_rad, 0.0]);
                 }
             }
             drawn.push(planned.method);
             let name = study.methods()[planned.method].name();
-            for ((&t_s, &x_m), &y_m) in result.t_s.iter().zip(&result.x_m).zip(&result.y_m) {
-                add(name, t_s, x_m, y_m);
+            for (k, &t_s) in result.t_s.iter().enumerate() {
+                let place = [result.x_m[k], result.y_m[k], result.heading_rad[k]];
+                let [x_m, y_m, heading_rad] = place;
+                add(name, t_s, [x_m, y_m, heading_rad, result.error_m[k]]);
             }
         }
         table.write(&data.join(format!("paths_{number}.csv")))?;

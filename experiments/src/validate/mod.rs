@@ -27,25 +27,30 @@ pub use self::table::{laws, table};
 ///
 /// # Errors
 /// When a field becomes non-finite, or a file of measurements cannot be written.
-pub fn run(laws: &[Law], depth: Depth, resume: &Resume, anew: bool) -> Result<Vec<Row>> {
+pub fn run(laws: &[Law], depth: Depth, resume: Option<&Resume>, anew: bool) -> Result<Vec<Row>> {
     let _at_once = interrupt::at_once();
     let board = Board::new();
     let all: u64 = laws.iter().map(|law| effort(law, depth)).sum();
     let task = board.task("validate", all);
     let known: Vec<_> = (laws.iter())
-        .map(|law| resume.read(law.name).filter(|_| !anew))
+        .map(|law| resume?.read(law.name).filter(|_| !anew))
         .collect();
     let of_known = laws.iter().zip(&known).filter(|(_, known)| known.is_some());
     let done = AtomicU64::new(of_known.map(|(law, _)| effort(law, depth)).sum());
     task.set(done.load(Ordering::Relaxed));
-    let (measured, of) = (known.iter().flatten().count(), laws.len());
-    board.say(format!(
-        "{measured} of {of} laws are measured with the present sources; interrupt at any time, the same command goes on"
-    ));
+    if resume.is_some() {
+        let (measured, of) = (known.iter().flatten().count(), laws.len());
+        board.say(format!(
+            "{measured} of {of} laws are measured with the present sources; interrupt at any time, the same command \
+            goes on"
+        ));
+    }
     let measure = |law: &Law| -> Result<Vec<Measurement>> {
         let started = Instant::now();
         let measurements = (law.measure)(depth)?;
-        resume.write(law.name, &measurements)?;
+        if let Some(resume) = resume {
+            resume.write(law.name, &measurements)?;
+        }
         let taken = duration(started.elapsed().as_secs_f64());
         board.say(format!("measured {} in {taken}", law.name));
         let effort = effort(law, depth);
@@ -131,14 +136,14 @@ mod tests {
             }),
         ];
         resume.write("known", &number(0.5)).unwrap();
-        let rows = run(&laws, Depth::Quick, &resume, false).unwrap();
+        let rows = run(&laws, Depth::Quick, Some(&resume), false).unwrap();
         let said: Vec<_> = (rows.iter())
             .map(|row| (row.law, row.measurement.measured, row.passed))
             .collect();
         assert_eq!(said, [("known", 0.5, true), ("new", 2.0, false)]);
         assert_eq!(resume.read("new"), Some(number(2.0)));
         resume.write("new", &number(0.1)).unwrap();
-        let anew = run(&laws[1..], Depth::Quick, &resume, true).unwrap();
+        let anew = run(&laws[1..], Depth::Quick, Some(&resume), true).unwrap();
         assert_eq!(anew[0].measurement.measured, 2.0);
     }
 }

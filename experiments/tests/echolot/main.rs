@@ -11,6 +11,7 @@ mod files;
 mod inputs;
 mod interruption;
 mod landmarks;
+mod report;
 mod robot;
 mod room;
 mod slurm;

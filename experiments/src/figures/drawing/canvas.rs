@@ -1,4 +1,4 @@
-//! The sheet a figure is drawn on: smooth lines, markers, areas and text in pixels, saved as PNG.
+//! The sheet a figure is drawn on: smooth lines, markers, areas and text in pixels, saved as PNG or SVG.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -12,6 +12,8 @@ use plotters::style::{FontStyle, FontTransform, register_font};
 
 use super::png::write_png;
 use super::stroke::{Marker, Stroke};
+use super::svg::Svg;
+use crate::data::atomic;
 
 static REGULAR: &[u8] = include_bytes!("../../../assets/DejaVuSans.ttf");
 static BOLD: &[u8] = include_bytes!("../../../assets/DejaVuSans-Bold.ttf");
@@ -30,13 +32,16 @@ pub type Anchor = (i8, i8);
 pub struct Canvas {
     pixels: RefCell<Vec<u8>>,
     coverage: RefCell<HashMap<(i32, i32), f32>>,
+    /// The elements of a drawing, where it becomes one.
+    vector: Option<RefCell<Svg>>,
     /// Width in pixels.
     pub width: f64,
     /// Height in pixels.
     pub height: f64,
 }
 
-/// Draws a figure of `width` x `height` pixels into `path`, which is replaced only when all went well.
+/// Draws a figure of `width` x `height` pixels into `path`, which is replaced only when all went well: as SVG where the
+/// name ends so, else as PNG.
 ///
 /// # Errors
 /// The error of `paint`, or when the file cannot be written.
@@ -53,13 +58,20 @@ pub fn draw(
             _ = register_font("sans-serif", style, bytes);
         }
     });
+    let is_svg = path.extension().is_some_and(|ending| ending == "svg");
+    let pixels = if is_svg { 0 } else { width * height * 3 };
     let canvas = Canvas {
-        pixels: RefCell::new(vec![255_u8; (width * height * 3) as usize]),
+        pixels: RefCell::new(vec![255_u8; pixels as usize]),
         coverage: RefCell::default(),
+        vector: is_svg.then(RefCell::default),
         width: f64::from(width),
         height: f64::from(height),
     };
     paint(&canvas)?;
+    if let Some(vector) = &canvas.vector {
+        let text = vector.borrow().document(width, height);
+        return atomic::write(path, text.as_bytes());
+    }
     write_png(path, width, height, &canvas.pixels.borrow())
 }
 
@@ -133,6 +145,10 @@ impl Canvas {
     /// # Errors
     /// None at present; a backend that draws lines itself may refuse.
     pub fn line(&self, points: &[[f64; 2]], stroke: Stroke) -> Result<()> {
+        if let Some(vector) = &self.vector {
+            vector.borrow_mut().line(points, stroke);
+            return Ok(());
+        }
         let radius = 0.5 * stroke.width;
         let mut dash = 0;
         let mut left = stroke.dashes.first().copied().unwrap_or(f64::INFINITY);
@@ -176,6 +192,10 @@ impl Canvas {
             let angle = angle_deg.to_radians();
             [at[0] + reach * angle.cos(), at[1] - reach * angle.sin()]
         };
+        if let (Marker::Disc, Some(vector)) = (marker, &self.vector) {
+            vector.borrow_mut().disc(at, radius, colour);
+            return Ok(());
+        }
         let corners: Vec<[f64; 2]> = match marker {
             Marker::Disc => {
                 self.cover_segment(at, at, radius + 1.5);
@@ -212,6 +232,10 @@ impl Canvas {
     /// # Errors
     /// When the backend refuses.
     pub fn area_between(&self, corners: &[[f64; 2]], colour: RGBColor, opacity: f64) -> Result<()> {
+        if let Some(vector) = &self.vector {
+            vector.borrow_mut().area(corners, colour, opacity);
+            return Ok(());
+        }
         let points: Vec<(i32, i32)> = corners
             .iter()
             .map(|point| (point[0].round() as i32, point[1].round() as i32))
@@ -221,6 +245,12 @@ impl Canvas {
 
     /// Fills a rectangle given by its left, top, right and bottom edge.
     pub fn rectangle(&self, edges: [f64; 4], colour: RGBColor, opacity: f64) {
+        if let Some(vector) = &self.vector {
+            let [left, top, right, bottom] = edges;
+            let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
+            vector.borrow_mut().area(&corners, colour, opacity);
+            return;
+        }
         let [left, top, right, bottom] = edges.map(|edge| edge.round() as i32);
         for y in top..bottom {
             for x in left..right {
@@ -262,6 +292,12 @@ impl Canvas {
     ) -> Result<()> {
         let mut font = style(size, bold);
         let [width, height] = self.text_size(text, size, bold);
+        if let Some(vector) = &self.vector {
+            vector
+                .borrow_mut()
+                .text(text, at, anchor, [width, size], bold, upward);
+            return Ok(());
+        }
         let [along, across] = if upward {
             [height, width]
         } else {

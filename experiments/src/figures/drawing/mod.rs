@@ -9,3 +9,4 @@ pub mod legend;
 pub mod png;
 pub mod stroke;
 pub(crate) mod style;
+mod svg;

@@ -99,12 +99,25 @@ fn cell_in_words(cell: &CellScores) -> String {
 /// # Errors
 /// When a data file is missing or damaged, or a picture cannot be written.
 pub(crate) fn draw(study: &Study, results: &Path) -> Result<Vec<PathBuf>> {
+    draw_into(study, results, &results.join("figures"), "png")
+}
+
+/// As [`draw`], into a folder, as PNG or SVG.
+///
+/// # Errors
+/// As [`draw`].
+pub(crate) fn draw_into(
+    study: &Study,
+    results: &Path,
+    figures: &Path,
+    ending: &str,
+) -> Result<Vec<PathBuf>> {
     let summary = StudySummary::read(&results.join("summary.json"))?;
-    let (data, figures) = (results.join("data"), results.join("figures"));
+    let data = results.join("data");
     let mut drawn = Vec::new();
     let mut paths = 0;
     for figure in study.figures() {
-        let picture = |name: &str| figures.join(format!("{name}.png"));
+        let picture = |name: &str| figures.join(format!("{name}.{ending}"));
         drawn.push(match &figure {
             FigureChoice::Curve { over, measure } => {
                 let picture = picture(&format!("{}_over_{}", measure.name(), short(over)));

@@ -94,6 +94,31 @@ mod tests {
         }
     }
 
+    /// The numbers of evo 1.x for these two drives as TUM files: `evo_ape tum` with and without `--align`, `evo_rpe tum`.
+    #[test]
+    fn errors_are_those_of_evo() {
+        let estimate: Vec<Pose> = drive()
+            .iter()
+            .enumerate()
+            .map(|(k, pose)| {
+                let t = 0.05 * k as f64;
+                Pose {
+                    x_m: pose.x_m + 0.02 * (1.7 * t).sin() + 0.05,
+                    y_m: pose.y_m + 0.015 * (2.3 * t).cos() - 0.02,
+                    heading_rad: pose.heading_rad + 0.03 * t.sin() + 0.01,
+                }
+            })
+            .collect();
+        let distances = estimate.iter().zip(drive()).map(|(a, b)| a.distance_m(&b));
+        let squares: Vec<f64> = distances.map(|distance| distance * distance).collect();
+        let rmse_m = crate::metrics::mean(&squares).sqrt();
+        assert!((rmse_m - 0.058_186).abs() < 1e-6, "{rmse_m}");
+        let aligned_m = aligned_rmse_m(&estimate, &drive());
+        assert!((aligned_m - 0.017_446).abs() < 1e-6, "{aligned_m}");
+        let relative_m = relative_rmse_m(&estimate, &drive());
+        assert!((relative_m - 0.002_210).abs() < 1e-6, "{relative_m}");
+    }
+
     #[test]
     fn errors_that_alternate_stay() {
         let off: Vec<Pose> = drive()

@@ -79,8 +79,8 @@ pub fn commands(quick: Option<&Summary>, paper: &Summary) -> Block {
         (
             "make claims",
             "a moment".to_string(),
-            "a verdict on every claim in `results/paper/report.md`, and the tables of this page; exits with 1 \
-            while a claim is not reproduced",
+            "a verdict on every claim in `results/paper/report.md`, and the tables of this page; exits with 1 when a \
+            verdict changed",
         ),
         ("make test", "minutes".to_string(), "all tests"),
     ] {

@@ -30,6 +30,7 @@ pub(super) fn verdict(judged: &Judged) -> &'static str {
 pub fn count(judged: &[Judged]) -> String {
     [
         Verdict::Reproduced,
+        Verdict::Consistent,
         Verdict::NotReproduced,
         Verdict::NotRun,
         Verdict::CannotBeTested,

@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
+use crate::study::claims::Kind;
+
 /// The file, part of the program so that it works from any folder.
 const FILE: &str = include_str!("../../targets.json");
 
@@ -35,6 +37,9 @@ pub struct Target {
     pub paper: String,
     /// Figure, table or section.
     pub source: String,
+    /// Whether it could have failed.
+    #[serde(default)]
+    pub kind: Kind,
     /// The claim.
     pub claim: String,
     /// The paper's number or word.

@@ -1,19 +1,26 @@
 //! Verdicts: each claim of the papers beside our number, its interval and whether it holds.
 
-use anyhow::Result;
-use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use anyhow::{Result, bail};
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::rules::{Finding, RULES, at, interval};
 use super::targets::{Bound, Measure, Target, Targets};
+use crate::data::{atomic, json};
+use crate::study::claims::Kind;
 use crate::summary::Summary;
 
 /// Verdict on a claim.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// It holds here.
+    /// It holds here, and could have failed.
     Reproduced,
+    /// It holds here by how we made it: arithmetic on printed tables, a sensor, a geometry or a machine of our own.
+    Consistent,
     /// It does not.
     NotReproduced,
     /// Its study has not been run.
@@ -43,10 +50,66 @@ impl Verdict {
     pub fn name(self) -> &'static str {
         match self {
             Self::Reproduced => "reproduced",
+            Self::Consistent => "consistent by construction",
             Self::NotReproduced => "NOT reproduced",
             Self::NotRun => "not run",
             Self::CannotBeTested => "cannot be tested",
         }
+    }
+}
+
+/// The verdicts of all claims by their ids, with which later ones are compared.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Verdicts(BTreeMap<String, Verdict>);
+
+impl Verdicts {
+    /// The verdicts of these claims.
+    pub fn of(judged: &[Judged]) -> Self {
+        let entry = |judged: &Judged| (judged.target.id.clone(), judged.verdict);
+        Self(judged.iter().map(entry).collect())
+    }
+
+    /// Reads verdicts.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or holds something else or no verdict at all.
+    pub fn read(path: &Path) -> Result<Self> {
+        let verdicts: Self = json::read(path)?;
+        if verdicts.0.is_empty() {
+            bail!(
+                "{}: holds no verdict; write it with --bless",
+                path.display()
+            );
+        }
+        Ok(verdicts)
+    }
+
+    /// Writes the verdicts.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let mut text = serde_json::to_string_pretty(self)?;
+        text.push('\n');
+        atomic::write(path, text.as_bytes())
+    }
+
+    /// The claims whose verdict is another now, or that are new or gone, one line each.
+    pub fn changed(&self, judged: &[Judged]) -> Vec<String> {
+        let now = Self::of(judged).0;
+        let ids: BTreeSet<&String> = self.0.keys().chain(now.keys()).collect();
+        let word = |verdict: Option<&Verdict>| verdict.map_or("no claim", |verdict| verdict.name());
+        ids.into_iter()
+            .filter(|id| self.0.get(*id) != now.get(*id))
+            .map(|id| {
+                format!(
+                    "{id}: was {}, is {}",
+                    word(self.0.get(id)),
+                    word(now.get(id))
+                )
+            })
+            .collect()
     }
 }
 
@@ -79,7 +142,13 @@ fn judge_one(target: &Target, summary: &Value) -> Judged {
     let (ours, verdict) = match (&finding, &target.measure) {
         (_, Measure::Untestable { untestable }) => (untestable.clone(), Verdict::CannotBeTested),
         (None, _) => ("study not run".to_string(), Verdict::NotRun),
-        (Some(finding), _) if finding.holds => (finding.ours.clone(), Verdict::Reproduced),
+        (Some(finding), _) if finding.holds => {
+            let verdict = match target.kind {
+                Kind::Reproducible => Verdict::Reproduced,
+                Kind::ByConstruction => Verdict::Consistent,
+            };
+            (finding.ours.clone(), verdict)
+        }
         (Some(finding), _) => (finding.ours.clone(), Verdict::NotReproduced),
     };
     Judged {
@@ -119,7 +188,6 @@ mod tests {
     use crate::metrics::Accuracy;
     use crate::run::preset::Preset;
     use crate::summary::{Methods, WindowCell};
-    use std::collections::BTreeSet;
 
     fn accuracy(mae_m: f64) -> Accuracy {
         Accuracy::over(&[(&[mae_m], &[0.0])])
@@ -166,6 +234,23 @@ mod tests {
             judged.iter().all(|judged| {
                 matches!(judged.verdict, Verdict::NotRun | Verdict::CannotBeTested)
             })
+        );
+    }
+
+    #[test]
+    fn only_a_verdict_that_changed_is_told() {
+        let judged = judge(&Targets::load().unwrap(), &Summary::new(Preset::Paper)).unwrap();
+        let known = Verdicts::of(&judged);
+        assert!(known.changed(&judged).is_empty());
+        let mut other = judged.clone();
+        other[0].verdict = Verdict::Reproduced;
+        assert_eq!(
+            known.changed(&other),
+            ["sim-doppler-mae: was not run, is reproduced"]
+        );
+        assert_eq!(
+            known.changed(&judged[1..]),
+            ["sim-doppler-mae: was not run, is no claim"]
         );
     }
 

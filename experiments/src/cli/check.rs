@@ -8,7 +8,7 @@ use super::arguments::ForceArgument;
 use super::output::{print, print_json};
 use crate::check::gate::{self, Baseline};
 use crate::check::targets::Targets;
-use crate::check::verdicts::{Verdict, judge};
+use crate::check::verdicts::{Verdicts, judge};
 use crate::check::{CheckFailed, readme, report};
 use crate::data::place::Place;
 use crate::run::preset::Preset;
@@ -19,7 +19,7 @@ use crate::summary::Summary;
 #[command(after_help = "Example:\n  echolot check --preset quick\n\n\
     quick: fails when an error lies above its baseline by more than the baseline's interval and 10 %.\n\
     paper: compares the claims of experiments/targets.json with the summary, writes report.md beside it, and fails \
-    when a claim that can be tested is not reproduced.")]
+    when a verdict is another than in experiments/baselines/verdicts.json, which --bless writes.")]
 pub(crate) struct Arguments {
     /// Preset that is checked.
     #[arg(long, value_enum, default_value_t = Preset::Quick)]
@@ -39,6 +39,9 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     force: ForceArgument,
 }
+
+/// Verdicts that the claims of the papers had.
+const VERDICTS: &str = "experiments/baselines/verdicts.json";
 
 /// The summary of a preset.
 fn summary_of(results: &Path, preset: Preset) -> PathBuf {
@@ -65,6 +68,17 @@ impl Arguments {
                 inputs: vec![file],
                 ..Place::of(&baseline, self.force.force)
             };
+            if self.preset == Preset::Paper && self.baseline.is_none() {
+                let judged = judge(&Targets::load()?, &summary)?;
+                let place = Place {
+                    path: PathBuf::from(VERDICTS),
+                    ..place
+                };
+                place.file(|bytes| serde_json::from_slice::<Verdicts>(bytes).is_ok())?;
+                Verdicts::of(&judged).write(Path::new(VERDICTS))?;
+                eprintln!("wrote {VERDICTS}");
+                return Ok(());
+            }
             place.file(|bytes| serde_json::from_slice::<Baseline>(bytes).is_ok())?;
             let new = Baseline::of(&summary);
             new.check(&summary_of(&self.results, self.preset), self.preset)?;
@@ -96,13 +110,12 @@ impl Arguments {
                     folder.join("report.md").display()
                 );
             }
-            let testable = judged
-                .iter()
-                .filter(|judged| judged.verdict != Verdict::CannotBeTested);
-            let failed = testable
-                .clone()
-                .filter(|judged| judged.verdict != Verdict::Reproduced);
-            (failed.count(), testable.count(), "claims not reproduced")
+            let known = Verdicts::read(Path::new(VERDICTS))?;
+            let changed = known.changed(&judged);
+            for line in &changed {
+                eprintln!("{line}");
+            }
+            (changed.len(), judged.len(), "verdicts changed")
         } else {
             let verdicts = Baseline::read(&baseline, self.preset)?.judge(&summary);
             if json {

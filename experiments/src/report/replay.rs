@@ -90,7 +90,10 @@ impl Replay {
             .replace('<', "\\u003c");
         html! {
             div class="replay" {
-                p { "The first trial of each method in " (self.name) ". Move the slider, or press the arrow keys on it; a link may end in #t= and seconds." }
+                p {
+                    "The first trial of each method in " (self.name) ". Move the slider, or press the arrow keys on it; "
+                    "a link may end in #t= and seconds."
+                }
                 p class="keys" {
                     @for track in &self.tracks {
                         span style=(format!("--colour:{}", track.colour)) { (track.name) }

@@ -1,5 +1,5 @@
-//! A session: scene, parameters, recordings and measurements that trials on one scene share. Sessions of one run share a
-//! workspace.
+//! A session: scene, parameters, recordings and measurements that trials on one scene share. Sessions of one run share
+//! a workspace.
 
 mod measurements;
 mod recordings;

@@ -94,7 +94,8 @@ mod tests {
         }
     }
 
-    /// The numbers of evo 1.x for these two drives as TUM files: `evo_ape tum` with and without `--align`, `evo_rpe tum`.
+    /// The numbers of evo 1.38.1 for these two drives as TUM files: `evo_ape tum` with and without `--align`,
+    /// `evo_rpe tum`.
     #[test]
     fn errors_are_those_of_evo() {
         let estimate: Vec<Pose> = drive()

@@ -13,8 +13,8 @@ use crate::report;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  echolot report results/my_study -o my_study.html\n\n\
-    One file that holds everything: claims, scores, figures whose text can be selected, a replay of the drive where the \
-    study has a figure of paths. Nothing is loaded from elsewhere; links lead to the data files."
+    One file that holds everything: claims, scores, figures whose text can be selected, a replay of the drive \
+    where the study has a figure of paths. Nothing is loaded from elsewhere; links lead to the data files."
 )]
 pub(crate) struct Arguments {
     /// Folder of a study's results.

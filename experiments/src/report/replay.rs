@@ -91,8 +91,8 @@ impl Replay {
         html! {
             div class="replay" {
                 p {
-                    "The first trial of each method in " (self.name) ". Move the slider, or press the arrow keys on it; "
-                    "a link may end in #t= and seconds."
+                    "The first trial of each method in " (self.name) ". Move the slider, or press the arrow keys on "
+                    "it; a link may end in #t= and seconds."
                 }
                 p class="keys" {
                     @for track in &self.tracks {

@@ -22,8 +22,8 @@ pub use self::resume::Resume;
 pub use self::row::Row;
 pub use self::table::{laws, table};
 
-/// Measures laws, except those that have been measured with the present sources. Several run in parallel; the order of the rows
-/// does not depend on it. Ctrl-C ends the program at once.
+/// Measures laws, except those that have been measured with the present sources. Several run in parallel; the order of
+/// the rows does not depend on it. Ctrl-C ends the program at once.
 ///
 /// # Errors
 /// When a field becomes non-finite, or a file of measurements cannot be written.

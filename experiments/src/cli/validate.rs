@@ -17,8 +17,8 @@ use crate::validate::{self, Resume};
 #[command(
     after_help = "Example:\n  echolot validate --full\n  echolot validate --full echoes impedance\n\n\
     Exits with 1 when a measurement is outside its tolerance. Laws that were measured with the present sources of \
-    field and laws are not measured again; interrupted, the same command goes on. Without LAW writes results/validation: \
-    validation.json, table.md, data and figures."
+    field and laws are not measured again; interrupted, the same command goes on. Without LAW writes \
+    results/validation: validation.json, table.md, data and figures."
 )]
 pub(crate) struct Arguments {
     /// Only laws whose name contains one of these; table and figures stay as they are, and without --full no file is

@@ -8,6 +8,7 @@ pub mod cli;
 pub mod data;
 pub mod figures;
 pub mod inspection;
+pub mod live;
 pub mod metrics;
 pub mod recordings;
 pub mod run;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use fdtd::scene::Scene;
 use serde::{Deserialize, Serialize};
 

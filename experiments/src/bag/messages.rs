@@ -1,9 +1,7 @@
 //! Messages of an MCAP file, one after the other; a file that is cut off ends where it ends.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::Read;
-use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use mcap::records::Record;
@@ -28,27 +26,26 @@ struct Channels {
     channels: BTreeMap<u16, (String, String)>,
 }
 
-/// Topics with their types, and whether the file is cut off.
-pub(super) fn topics(file: &Path) -> Result<(BTreeMap<String, String>, Option<String>)> {
+/// Topics with their types, as far as the file goes.
+pub(super) fn topics(file: &mut dyn Read) -> Result<BTreeMap<String, String>> {
     let mut channels = Channels::default();
-    let cut = walk(file, &mut channels, &mut |_| Ok(()))?;
-    Ok((channels.channels.into_values().collect(), cut))
+    walk(file, &mut channels, &mut |_| Ok(()))?;
+    Ok(channels.channels.into_values().collect())
 }
 
 /// Hands on every message. What was wrong with a file that is cut off comes back.
 pub(super) fn each_message(
-    file: &Path,
+    file: &mut dyn Read,
     each: &mut dyn FnMut(&Message<'_>) -> Result<()>,
 ) -> Result<Option<String>> {
     walk(file, &mut Channels::default(), each)
 }
 
 fn walk(
-    path: &Path,
+    file: &mut dyn Read,
     channels: &mut Channels,
     each: &mut dyn FnMut(&Message<'_>) -> Result<()>,
 ) -> Result<Option<String>> {
-    let mut file = File::open(path)?;
     let options = LinearReaderOptions::default().with_record_length_limit(LONGEST);
     let mut reader = LinearReader::new_with_options(options);
     let mut records = 0_u64;

@@ -8,15 +8,33 @@ use localizer::pose::wrap_angle;
 use localizer::{Pose, Trajectory};
 
 /// Names of columns, in lower case, by what they hold.
-const TIME: &[&str] = &["t_s", "t", "time", "time_s", "timestamp", "timestamp_s", "seconds"];
+const TIME: &[&str] = &[
+    "t_s",
+    "t",
+    "time",
+    "time_s",
+    "timestamp",
+    "timestamp_s",
+    "seconds",
+];
 const X: &[&str] = &["x_m", "x", "px", "pos_x", "position_x", "x_pos"];
 const Y: &[&str] = &["y_m", "y", "py", "pos_y", "position_y", "y_pos"];
-const RADIANS: &[&str] = &["heading_rad", "yaw_rad", "theta_rad", "heading", "yaw", "theta"];
+const RADIANS: &[&str] = &[
+    "heading_rad",
+    "yaw_rad",
+    "theta_rad",
+    "heading",
+    "yaw",
+    "theta",
+];
 const DEGREES: &[&str] = &["heading_deg", "yaw_deg", "theta_deg"];
 const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
 
 /// Longest table, in bytes.
 const LONGEST: u64 = 1 << 30;
+
+/// Longest drive, in seconds.
+const LONGEST_S: f64 = 1e5;
 
 /// Time between two lines of the odometry that is made of poses, and over which a speed is taken, in seconds.
 const STEP_S: f64 = 0.05;
@@ -46,7 +64,10 @@ fn collect(folder: &Path, end: &str, depth: u32, found: &mut Vec<std::path::Path
         let path = entry.path();
         if path.is_dir() && depth > 0 {
             collect(&path, end, depth - 1, found);
-        } else if path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end)) {
+        } else if path
+            .extension()
+            .is_some_and(|own| own.eq_ignore_ascii_case(end))
+        {
             found.push(path);
         }
     }
@@ -61,7 +82,10 @@ pub fn poses(file: &Path, unit_s: f64) -> Result<Trajectory> {
     let of_file = || file.display().to_string();
     let length = std::fs::metadata(file).with_context(of_file)?.len();
     if length > LONGEST {
-        bail!("{}: has {length} bytes; give a table of at most 1 GiB", file.display());
+        bail!(
+            "{}: has {length} bytes; give a table of at most 1 GiB",
+            file.display()
+        );
     }
     let text = std::fs::read_to_string(file).with_context(of_file)?;
     parse(&text, &file.display().to_string(), unit_s)
@@ -79,7 +103,10 @@ pub fn parse(text: &str, origin: &str, unit_s: f64) -> Result<Trajectory> {
     let column = |names: &[&str]| header.iter().position(|own| names.contains(&own.as_str()));
     let needed = |names: &[&str], what: &str| {
         column(names).with_context(|| {
-            format!("{origin}: has no column of {what}; name it one of {}", names.join(", "))
+            format!(
+                "{origin}: has no column of {what}; name it one of {}",
+                names.join(", ")
+            )
         })
     };
     let places = [needed(TIME, "times")?, needed(X, "x")?, needed(Y, "y")?];
@@ -107,7 +134,11 @@ pub fn parse(text: &str, origin: &str, unit_s: f64) -> Result<Trajectory> {
             let number = cell.parse().ok().filter(|number: &f64| number.is_finite());
             numbers.push(number.with_context(|| {
                 let short: String = cell.chars().filter(|c| !c.is_control()).take(20).collect();
-                format!("{origin}: row {}: {}: `{short}` is no number", index + 2, header[place])
+                format!(
+                    "{origin}: row {}: {}: `{short}` is no number",
+                    index + 2,
+                    header[place]
+                )
             })?);
         }
         let heading_rad = match numbers[..] {
@@ -118,7 +149,10 @@ pub fn parse(text: &str, origin: &str, unit_s: f64) -> Result<Trajectory> {
         };
         let time_s = unit_s * numbers[0];
         if t_s.last().is_some_and(|last| *last >= time_s) {
-            bail!("{origin}: row {}: times do not increase; sort it", index + 2);
+            bail!(
+                "{origin}: row {}: times do not increase; sort it",
+                index + 2
+            );
         }
         t_s.push(time_s);
         poses.push(Pose {
@@ -128,7 +162,14 @@ pub fn parse(text: &str, origin: &str, unit_s: f64) -> Result<Trajectory> {
         });
     }
     if poses.len() < 2 {
-        bail!("{origin}: has {} whole poses; give two or more", poses.len());
+        bail!(
+            "{origin}: has {} whole poses; give two or more",
+            poses.len()
+        );
+    }
+    let length_s = t_s[t_s.len() - 1] - t_s[0];
+    if length_s > LONGEST_S {
+        bail!("{origin}: lasts {length_s:.0} s; give the unit of its times (--time-unit)");
     }
     Ok(Trajectory { t_s, poses })
 }
@@ -164,10 +205,15 @@ pub fn odometry(path: &Trajectory) -> String {
     let (Some(&first_s), Some(&last_s)) = (path.t_s.first(), path.t_s.last()) else {
         return text;
     };
-    let steps = ((last_s - first_s) / STEP_S).floor().clamp(0.0, 1e7) as u32;
+    let steps = ((last_s - first_s) / STEP_S)
+        .floor()
+        .clamp(0.0, LONGEST_S / STEP_S) as u32;
     for step in 0..=steps {
         let t_s = first_s + f64::from(step) * STEP_S;
-        let ends_s = [(t_s - 0.5 * STEP_S).max(first_s), (t_s + 0.5 * STEP_S).min(last_s)];
+        let ends_s = [
+            (t_s - 0.5 * STEP_S).max(first_s),
+            (t_s + 0.5 * STEP_S).min(last_s),
+        ];
         let [Some(a), Some(b)] = ends_s.map(|t_s| path.pose_at(t_s)) else {
             continue;
         };
@@ -189,7 +235,10 @@ mod tests {
     fn poses_are_read_whatever_their_columns_are_called() {
         for (text, unit_s) in [
             ("t_s,x_m,y_m,heading_rad\n1,2,3,0.5\n2,2.5,3,0.5\n", 1.0),
-            ("Timestamp;X;Y;Yaw_deg\r\n1000;2;3;28.6478897565\r\n2000;2.5;3;28.6478897565\r\n", 1e-3),
+            (
+                "Timestamp;X;Y;Yaw_deg\r\n1000;2;3;28.6478897565\r\n2000;2.5;3;28.6478897565\r\n",
+                1e-3,
+            ),
             (
                 "qx,qy,qz,qw,time,x,y\n0,0,0.247403959,0.968912422,1,2,3\n0,0,0.247403959,0.968912422,2,2.5,3\n",
                 1.0,
@@ -215,6 +264,7 @@ mod tests {
             ("t,x,y,yaw\n1,2,3,north\n", "row 2: yaw: `north`"),
             ("t,x,y,yaw\n1,2,3,0\n1,2,3,0\n", "row 3: times"),
             ("t,x,y,yaw\n1,2,3,0\n", "1 whole poses"),
+            ("t,x,y,yaw\n1e9,2,3,0\n2e9,2,3,0\n", "--time-unit"),
         ] {
             let error = parse(text, "a.csv", 1.0).unwrap_err().to_string();
             assert!(error.contains("a.csv") && error.contains(word), "{error}");
@@ -240,7 +290,10 @@ mod tests {
             .collect();
         assert_eq!(rows.len(), 80);
         for row in rows {
-            assert!((row[1] + 0.3).abs() < 1e-3 && (row[2] + 0.3).abs() < 1e-3, "{row:?}");
+            assert!(
+                (row[1] + 0.3).abs() < 1e-3 && (row[2] + 0.3).abs() < 1e-3,
+                "{row:?}"
+            );
         }
     }
 }

@@ -163,7 +163,10 @@ impl Arguments {
             None => folder::only(&self.bag, end, option),
         };
         let sound = named(&self.sound, "wav", "--sound")?;
-        let path = folder::poses(&named(&self.poses, "csv", "--poses")?, self.time_unit.seconds())?;
+        let path = folder::poses(
+            &named(&self.poses, "csv", "--poses")?,
+            self.time_unit.seconds(),
+        )?;
         WavStream::open(&sound)?;
         let imported = Imported {
             odometry: folder::odometry(&path),
@@ -181,7 +184,9 @@ impl Arguments {
     /// A bag.
     fn of_bag(&self) -> Result<(Imported, Sound)> {
         let Some(rate) = self.rate.filter(|rate| (1000..=1_000_000).contains(rate)) else {
-            bail!("--rate: is missing or no rate of sound; give 1000 to 1000000 Hz, that of the bag's sound");
+            bail!(
+                "--rate: is missing or no rate of sound; give 1000 to 1000000 Hz, that of the bag's sound"
+            );
         };
         if !(1..=64).contains(&self.channels) {
             bail!("--channels: {}; give 1 to 64", self.channels);

@@ -3,9 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
-use localizer::io::recording_source::{ReadOptions, RecordingSource};
 use experiments::scores::Scores;
 use localizer::Trajectory;
+use localizer::io::recording_source::{ReadOptions, RecordingSource};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
@@ -47,7 +47,10 @@ fn a_laboratorys_recordings_make_a_map_and_a_path() {
     assert!(doppler < 0.8 * wheels, "{doppler} m, wheels {wheels} m");
     assert!(landmarks < 0.005, "{landmarks} m");
     let text = std::fs::read_to_string(at.join("landmarks.tum")).unwrap();
-    assert!(text.lines().nth(1).unwrap().starts_with("17162496"), "on the truth's clock");
+    assert!(
+        text.lines().nth(1).unwrap().starts_with("17162496"),
+        "on the truth's clock"
+    );
     // Estimates are on the truth's clock, and a table lies beside them.
     let text = std::fs::read_to_string(at.join("doppler.tum")).unwrap();
     let (mark, text) = text.split_once('\n').unwrap();
@@ -75,7 +78,7 @@ fn a_laboratorys_recordings_make_a_map_and_a_path() {
     );
 }
 
-/// What `evo_ape tum truth.tum est.tum` of evo 1.37.4 said of the example localized, see `tests/fixtures`.
+/// What `evo_ape tum truth.tum est.tum` of evo 1.38.1 said of the example localized, see `tests/fixtures`.
 #[test]
 fn evo_gives_the_same_errors() {
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
@@ -95,7 +98,10 @@ fn evo_gives_the_same_errors() {
             ("max_m", scores.max_m),
         ] {
             let theirs = evo[method][field].as_f64().unwrap();
-            assert!((ours - theirs).abs() < 1e-6, "{method} {field}: {ours}, evo {theirs}");
+            assert!(
+                (ours - theirs).abs() < 1e-6,
+                "{method} {field}: {ours}, evo {theirs}"
+            );
         }
     }
 }

@@ -367,7 +367,9 @@ fn a_killed_track_has_told_a_beginning() {
     let run = |kill_s: Option<f64>| -> (bool, Vec<u8>) {
         let mut child = Command::new(env!("CARGO_BIN_EXE_echolot"))
             .current_dir(at)
-            .args(["track", "--map", "map", "--window", "1.5", "--output", "tum"])
+            .args([
+                "track", "--map", "map", "--window", "1.5", "--output", "tum",
+            ])
             .args(["--odometry", "drive/odometry.csv", "--odometry-clock", "0"])
             .args(["--late", "0", "--drift", "0", "--start", "0.85,0.9,11.459"])
             .stdin(std::fs::File::open(at.join("drive/signal.wav")).unwrap())
@@ -460,11 +462,19 @@ fn a_place_without_the_right_to_write_is_told() {
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{name}: {said}");
         let last = said.lines().last().unwrap_or_default();
-        assert!(last.starts_with("error: ") && last.contains("denied"), "{name}: {said}");
+        assert!(
+            last.starts_with("error: ") && last.contains("denied"),
+            "{name}: {said}"
+        );
         assert!(contents(at, &files).iter().all(Option::is_none), "{name}");
         refused += 1;
     }
-    note("no right to write", "simulate, map, localize, slam, run", refused, "a line, exit 2");
+    note(
+        "no right to write",
+        "simulate, map, localize, slam, run",
+        refused,
+        "a line, exit 2",
+    );
 }
 
 /// A small disk of its own that fills up, or may only be read, where such a one may be mounted.
@@ -500,7 +510,11 @@ fn a_small_disk_that_is_full_or_read_only_gets_whole_files_or_none() {
             std::fs::create_dir_all(at.join("disk")).unwrap();
             // In pages, from next to nothing to just below what the command writes.
             let pages = 1 + (spread(index) * size as f64 / 4096.0) as usize;
-            let lock = if index == 0 { "mount -o remount,ro . &&" } else { "" };
+            let lock = if index == 0 {
+                "mount -o remount,ro . &&"
+            } else {
+                ""
+            };
             let script = format!(
                 "mount -t tmpfs -o size={}k none disk && cd disk && ln -s ../*.json ../scenes ../mapping ../drive \
                  ../input . && cd ../disk && {lock} {} {}; code=$?; cp -a . ../kept; exit $code",
@@ -516,18 +530,40 @@ fn a_small_disk_that_is_full_or_read_only_gets_whole_files_or_none() {
             let said = String::from_utf8_lossy(&output.stderr);
             let code = output.status.code();
             // Files of the same content take one page less or more.
-            assert!(code == Some(2) || (code == Some(0) && index > 0), "{name}: {said}");
+            assert!(
+                code == Some(2) || (code == Some(0) && index > 0),
+                "{name}: {said}"
+            );
             for ((file, now), whole) in files.iter().zip(contents(&kept, &files)).zip(&whole) {
-                assert!(now.is_none() || now == *whole, "{name}, {pages} pages: {file}");
-                assert!(code == Some(2) || now.is_some(), "{name}, {pages} pages: {file}");
+                assert!(
+                    now.is_none() || now == *whole,
+                    "{name}, {pages} pages: {file}"
+                );
+                assert!(
+                    code == Some(2) || now.is_some(),
+                    "{name}, {pages} pages: {file}"
+                );
             }
             if code == Some(2) {
                 assert!(said.contains("error: "), "{name}: {said}");
-                assert_eq!(temporaries(&kept), Vec::<PathBuf>::new(), "{name}, {pages} pages");
-                *(if index == 0 { &mut read_only } else { &mut full }) += 1;
+                assert_eq!(
+                    temporaries(&kept),
+                    Vec::<PathBuf>::new(),
+                    "{name}, {pages} pages"
+                );
+                *(if index == 0 {
+                    &mut read_only
+                } else {
+                    &mut full
+                }) += 1;
             }
         }
-        note("full disk (tmpfs)", name, full, "a line, exit 2, files whole or none");
+        note(
+            "full disk (tmpfs)",
+            name,
+            full,
+            "a line, exit 2, files whole or none",
+        );
         note("read-only disk", name, read_only, "a line, exit 2, no file");
     }
 }

@@ -166,10 +166,30 @@ fn an_array_is_never_taken_for_an_object() {
         std::fs::write(&path, text).unwrap();
     }
     for (file, from, to, field) in [
-        ("drive/recording.json", "\"start\": {", "\"start\": [1, 2, 3], \"provenance\": {", "start"),
-        ("robot.json", "\"speed_noise\": {", "\"speed_noise\": [0.1, 1.0], \"x\": {", "speed_noise"),
-        ("room.json", "\"name\": \"room\",", "\"name\": \"room\", \"waveform\": [],", "waveform"),
-        ("room.json", "\"name\": \"room\",", "\"name\": \"room\", \"medium\": [],", "medium"),
+        (
+            "drive/recording.json",
+            "\"start\": {",
+            "\"start\": [1, 2, 3], \"provenance\": {",
+            "start",
+        ),
+        (
+            "robot.json",
+            "\"speed_noise\": {",
+            "\"speed_noise\": [0.1, 1.0], \"x\": {",
+            "speed_noise",
+        ),
+        (
+            "room.json",
+            "\"name\": \"room\",",
+            "\"name\": \"room\", \"waveform\": [],",
+            "waveform",
+        ),
+        (
+            "room.json",
+            "\"name\": \"room\",",
+            "\"name\": \"room\", \"medium\": [],",
+            "medium",
+        ),
     ] {
         let command = match file {
             "drive/recording.json" => LOCALIZE.to_vec(),
@@ -177,7 +197,10 @@ fn an_array_is_never_taken_for_an_object() {
             _ => vec!["scene", "check", "room.json"],
         };
         let complaint = with(&at.join(file), from, to, || refuse(at, &command));
-        assert!(complaint.contains(file) && complaint.contains(field), "{complaint}");
+        assert!(
+            complaint.contains(file) && complaint.contains(field),
+            "{complaint}"
+        );
         count += 1;
     }
     expect(at, &LOCALIZE);

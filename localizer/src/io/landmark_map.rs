@@ -93,7 +93,7 @@ impl LandmarkMap {
             return Err(refuse("version".into(), problem));
         }
         let file: LandmarkFile = json_text::parse(text).map_err(syntax)?;
-        file.parameters.check()?;
+        file.parameters.check_of_map()?;
         if file.landmarks.is_empty() || file.landmarks.len() > MOST_LANDMARKS {
             let problem = format!("has {} landmarks", file.landmarks.len());
             return Err(refuse("landmarks".into(), problem));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 use anyhow::{Context, Result, bail};
-use mcap::records::Record;
+use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 /// Longest record, in bytes.
@@ -56,43 +56,106 @@ fn walk(
                 reader.notify_read(read);
                 continue;
             }
-            Ok(LinearReadEvent::Record { data, opcode }) => mcap::parse_record(opcode, data),
-            Err(error) => Err(error),
+            Ok(LinearReadEvent::Record { data, opcode }) => {
+                Record::parse(opcode, data).ok_or_else(|| "a record is damaged".to_string())
+            }
+            Err(error) => Err(error.to_string()),
         };
         let record = match record {
             Ok(record) => record,
-            Err(error) if records == 0 => bail!("is no MCAP bag: {error}"),
-            Err(error) => return Ok(Some(error.to_string())),
+            Err(problem) if records == 0 => bail!("is no MCAP bag: {problem}"),
+            Err(problem) => return Ok(Some(problem)),
         };
         records += 1;
         match record {
-            Record::Schema { header, .. } => {
-                channels.schemas.insert(header.id, header.name);
+            Record::Schema { id, name } => {
+                channels.schemas.insert(id, name.to_owned());
             }
-            Record::Channel(channel) => {
-                let schema = channels
-                    .schemas
-                    .get(&channel.schema_id)
-                    .cloned()
-                    .unwrap_or_default();
-                channels
-                    .channels
-                    .insert(channel.id, (channel.topic, schema));
+            Record::Channel { id, schema, topic } => {
+                let schema = channels.schemas.get(&schema).cloned().unwrap_or_default();
+                channels.channels.insert(id, (topic.to_owned(), schema));
             }
-            Record::Message { header, data } => {
+            Record::Message {
+                channel,
+                log_ns,
+                data,
+            } => {
                 let (topic, schema) = channels
                     .channels
-                    .get(&header.channel_id)
+                    .get(&channel)
                     .context("a message has no channel")?;
                 each(&Message {
                     topic,
                     schema,
-                    log_s: 1e-9 * header.log_time as f64,
-                    data: &data,
+                    log_s: 1e-9 * log_ns as f64,
+                    data,
                 })?;
             }
-            _ => {}
+            Record::Other => {}
         }
     }
     Ok(None)
+}
+
+/// What is needed of a record. The crate's own parser asks for as much memory as a damaged length says.
+enum Record<'a> {
+    Schema {
+        id: u16,
+        name: &'a str,
+    },
+    Channel {
+        id: u16,
+        schema: u16,
+        topic: &'a str,
+    },
+    Message {
+        channel: u16,
+        log_ns: u64,
+        data: &'a [u8],
+    },
+    Other,
+}
+
+impl<'a> Record<'a> {
+    /// Reads a record; none for one that is cut off.
+    fn parse(opcode: u8, data: &'a [u8]) -> Option<Self> {
+        let mut rest = data;
+        match opcode {
+            op::SCHEMA => Some(Self::Schema {
+                id: u16::from_le_bytes(take(&mut rest)?),
+                name: text(&mut rest)?,
+            }),
+            op::CHANNEL => Some(Self::Channel {
+                id: u16::from_le_bytes(take(&mut rest)?),
+                schema: u16::from_le_bytes(take(&mut rest)?),
+                topic: text(&mut rest)?,
+            }),
+            op::MESSAGE => {
+                let channel = u16::from_le_bytes(take(&mut rest)?);
+                let _number: [u8; 4] = take(&mut rest)?;
+                let log_ns = u64::from_le_bytes(take(&mut rest)?);
+                let _published: [u8; 8] = take(&mut rest)?;
+                Some(Self::Message {
+                    channel,
+                    log_ns,
+                    data: rest,
+                })
+            }
+            _ => Some(Self::Other),
+        }
+    }
+}
+
+fn take<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
+    let (first, after) = rest.split_first_chunk()?;
+    *rest = after;
+    Some(*first)
+}
+
+/// Text with its length before it.
+fn text<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
+    let length = u32::from_le_bytes(take(rest)?) as usize;
+    let (first, after) = rest.split_at_checked(length)?;
+    *rest = after;
+    std::str::from_utf8(first).ok()
 }

@@ -1,7 +1,8 @@
 //! Faults from outside: killed at any moment, no room on the disk, flipped bits, two at once. What a command had
 //! written before is whole after it, and the same command then ends with the same bytes.
 //!
-//! Plain `cargo test` tries a few moments of each; `make robustness` tries all (`ECHOLOT_MOMENTS`).
+//! Plain `cargo test` tries a few moments of each; `make robustness` tries all (`ECHOLOT_MOMENTS`), or those of the
+//! commands that `ECHOLOT_CASES` names (`run,slam`).
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -61,7 +62,7 @@ fn cases(at: &Path) -> Vec<Case> {
         "cache",
         "--no-figures",
     ];
-    vec![
+    let all = vec![
         case(
             "simulate",
             &["simulate", "room.json", "--path", "short", "-o", "short"],
@@ -90,7 +91,13 @@ fn cases(at: &Path) -> Vec<Case> {
             &["slam.tum", "slam.csv", "slammed/landmarks.json"],
         ),
         case("run", &run, &["results/quick/data/drift_paths.csv"]),
-    ]
+    ];
+    let wanted = std::env::var("ECHOLOT_CASES").ok();
+    let is_wanted = |case: &Case| {
+        let mut names = wanted.iter().flat_map(|names| names.split(','));
+        wanted.is_none() || names.any(|name| name == case.name)
+    };
+    all.into_iter().filter(is_wanted).collect()
 }
 
 fn start(at: &Path, command: &[&str]) -> Child {

@@ -161,9 +161,12 @@ fn late_odometry_is_told_and_survived() {
     assert_eq!(poses.last().unwrap()["odometry"], "ok");
 }
 
+/// A period over time.
+type Waveform<'a> = dyn Fn(f64) -> f64 + 'a;
+
 /// Writes the room's recordings with another waveform, given over time, or as they are, into folders that begin with a
 /// name, with `transmitted.wav` in place of the code's numbers.
-fn record(at: &Path, name: &str, waveform: Option<&dyn Fn(f64) -> f64>) {
+fn record(at: &Path, name: &str, waveform: Option<&Waveform<'_>>) {
     for drive in ["mapping", "drive"] {
         let recording = Recording::read(&at.join(drive)).unwrap();
         let (other, period) = match waveform {
@@ -218,7 +221,7 @@ fn any_periodic_waveform_maps_and_localizes() {
         report["mae_m"].as_f64().unwrap()
     };
     let code_m = mae_m("drive", "map");
-    let waveforms: [(&str, Option<&dyn Fn(f64) -> f64>, f64); 3] = [
+    let waveforms: [(&str, Option<&Waveform<'_>>, f64); 3] = [
         ("same", None, 1e-3),
         ("chirp", Some(&chirp), 0.05),
         ("chips", Some(&chips), 0.05),

@@ -9,6 +9,7 @@ pub mod cli;
 pub mod data;
 pub mod figures;
 pub mod inspection;
+pub mod live;
 pub mod metrics;
 pub mod papers;
 pub mod recordings;

@@ -1,21 +1,26 @@
 //! ROS 2 messages in their serial form (CDR): the few that a recording needs.
 
 /// A header's time in seconds.
-pub(super) type Stamp = f64;
+pub type Stamp = f64;
 
 /// A pose: place, and quaternion x, y, z, w.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Placed {
-    pub(super) stamp_s: Stamp,
-    pub(super) place_m: [f64; 3],
-    pub(super) quaternion: [f64; 4],
+pub struct Placed {
+    /// The header's time.
+    pub stamp_s: Stamp,
+    /// Place in metres.
+    pub place_m: [f64; 3],
+    /// Attitude x, y, z, w.
+    pub quaternion: [f64; 4],
 }
 
 /// Speeds of an odometry message.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Speeds {
-    pub(super) v_mps: f64,
-    pub(super) omega_radps: f64,
+pub struct Speeds {
+    /// Forward, in m/s.
+    pub v_mps: f64,
+    /// Counter-clockwise, in rad/s.
+    pub omega_radps: f64,
 }
 
 /// Reads values one after the other; each is aligned to its size, counted from behind the four bytes that tell the byte
@@ -87,7 +92,7 @@ impl<'a> Cdr<'a> {
 }
 
 /// nav_msgs/Odometry.
-pub(super) fn odometry(message: &[u8]) -> Option<(Placed, Speeds)> {
+pub fn odometry(message: &[u8]) -> Option<(Placed, Speeds)> {
     let mut cdr = Cdr::new(message)?;
     let stamp_s = cdr.header()?;
     cdr.sequence()?;
@@ -105,7 +110,7 @@ pub(super) fn odometry(message: &[u8]) -> Option<(Placed, Speeds)> {
 }
 
 /// geometry_msgs/PoseStamped.
-pub(super) fn pose(message: &[u8]) -> Option<Placed> {
+pub fn pose(message: &[u8]) -> Option<Placed> {
     let mut cdr = Cdr::new(message)?;
     Some(Placed {
         stamp_s: cdr.header()?,
@@ -115,7 +120,7 @@ pub(super) fn pose(message: &[u8]) -> Option<Placed> {
 }
 
 /// geometry_msgs/TransformStamped.
-pub(super) fn transform(message: &[u8]) -> Option<Placed> {
+pub fn transform(message: &[u8]) -> Option<Placed> {
     let mut cdr = Cdr::new(message)?;
     let stamp_s = cdr.header()?;
     cdr.sequence()?;
@@ -127,48 +132,14 @@ pub(super) fn transform(message: &[u8]) -> Option<Placed> {
 }
 
 /// audio_common_msgs/AudioData.
-pub(super) fn audio(message: &[u8]) -> Option<&[u8]> {
+pub fn audio(message: &[u8]) -> Option<&[u8]> {
     Cdr::new(message)?.sequence()
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
+    use super::super::written::Writer;
     use super::*;
-
-    /// Writes values as a little-endian message.
-    #[derive(Default)]
-    pub(crate) struct Writer(Vec<u8>);
-
-    impl Writer {
-        pub(crate) fn bytes<const N: usize>(mut self, bytes: [u8; N]) -> Self {
-            self.0.resize(self.0.len().next_multiple_of(N), 0);
-            self.0.extend(bytes);
-            self
-        }
-
-        pub(crate) fn sequence(self, bytes: &[u8]) -> Self {
-            let mut own = self.bytes((bytes.len() as u32).to_le_bytes());
-            own.0.extend(bytes);
-            own
-        }
-
-        pub(crate) fn header(self, seconds: i32, nanoseconds: u32) -> Self {
-            let own = self
-                .bytes(seconds.to_le_bytes())
-                .bytes(nanoseconds.to_le_bytes());
-            own.sequence(b"map\0")
-        }
-
-        pub(crate) fn numbers(self, numbers: &[f64]) -> Self {
-            numbers
-                .iter()
-                .fold(self, |own, number| own.bytes(number.to_le_bytes()))
-        }
-
-        pub(crate) fn message(self) -> Vec<u8> {
-            [vec![0, 1, 0, 0], self.0].concat()
-        }
-    }
 
     #[test]
     fn messages_are_read_and_cut_ones_are_not() {

@@ -1,15 +1,18 @@
-//! ROS 2 bags (MCAP) as recordings.
+//! ROS 2 bags (MCAP), and folders of a WAV and a table of poses, as recordings.
 
-mod cdr;
-mod read;
+pub mod cdr;
+pub mod folder;
+mod messages;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
-use self::read::{Message, each_message, topics};
+use self::messages::{Message, each_message, topics};
 
 /// Types of topics by what they are taken for.
 const ODOMETRY: &[&str] = &["nav_msgs/msg/Odometry"];
@@ -125,7 +128,28 @@ fn chosen(
 /// gives what it has, with a warning.
 pub fn import(bag: &Path, wanted: &Topics) -> Result<Imported> {
     let file = file_of(bag)?;
-    let (all, _) = topics(&file).with_context(|| file.display().to_string())?;
+    let open = || Ok(Box::new(File::open(&file)?) as Box<dyn Read>);
+    from(&open, &file, wanted)
+}
+
+/// Reads the bytes of an MCAP file, which errors call `file`.
+///
+/// # Errors
+/// As [`import`].
+pub fn read(bytes: &[u8], file: &Path, wanted: &Topics) -> Result<Imported> {
+    from(&|| Ok(Box::new(bytes)), file, wanted)
+}
+
+/// Reads a file twice: which topics it has, then their messages.
+fn from<'a>(
+    open: &dyn Fn() -> Result<Box<dyn Read + 'a>>,
+    file: &Path,
+    wanted: &Topics,
+) -> Result<Imported> {
+    let of_file = || file.display().to_string();
+    let all = open()
+        .and_then(|mut bytes| topics(&mut bytes))
+        .with_context(of_file)?;
     let odometry = chosen(&all, wanted.odometry.as_ref(), ODOMETRY, "--odometry")?;
     let truth = chosen(&all, wanted.truth.as_ref(), TRUTH, "--truth")?;
     let audio = chosen(&all, wanted.audio.as_ref(), AUDIO, "--audio")?;
@@ -152,7 +176,8 @@ pub fn import(bag: &Path, wanted: &Topics) -> Result<Imported> {
     };
     let mut poses = String::new();
     let (mut last, mut last_pose, mut old) = (f64::NEG_INFINITY, f64::NEG_INFINITY, 0);
-    let cut = each_message(&file, &mut |message: &Message<'_>| {
+    let mut bytes = open().with_context(of_file)?;
+    let cut = each_message(&mut bytes, &mut |message: &Message<'_>| {
         let bad = || {
             format!(
                 "{}: a message at {:.3} s does not fit its type",
@@ -210,7 +235,7 @@ pub fn import(bag: &Path, wanted: &Topics) -> Result<Imported> {
         }
         Ok(())
     })
-    .with_context(|| file.display().to_string())?;
+    .with_context(of_file)?;
     if let Some(problem) = cut {
         imported.warnings.push(format!(
             "the bag is cut off ({problem}): this is what it has"
@@ -227,3 +252,5 @@ pub fn import(bag: &Path, wanted: &Topics) -> Result<Imported> {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod written;

@@ -1,75 +1,41 @@
 //! Bags that are written here, whole and cut off.
 
-use std::borrow::Cow;
-use std::collections::BTreeMap as Map;
-use std::sync::Arc;
-
-use super::cdr::tests::Writer;
+use super::written::{self, bag};
 use super::*;
 
 /// A bag of ten seconds: odometry and poses at 10 Hz, sound in pieces.
-fn bag(path: &Path) {
-    let mut writer = mcap::Writer::new(std::fs::File::create(path).unwrap()).unwrap();
-    let channel = |id: u16, topic: &str, schema: &str| {
-        let schema = Arc::new(mcap::Schema {
-            id,
-            name: schema.to_owned(),
-            encoding: "ros2msg".to_owned(),
-            data: Cow::Borrowed(b""),
-        });
-        Arc::new(mcap::Channel {
-            id,
-            topic: topic.to_owned(),
-            schema: Some(schema),
-            message_encoding: "cdr".to_owned(),
-            metadata: Map::new(),
-        })
-    };
-    let channels = [
-        channel(1, "/odom", "nav_msgs/msg/Odometry"),
-        channel(2, "/tracker", "geometry_msgs/msg/PoseStamped"),
-        channel(3, "/mic", "audio_common_msgs/msg/AudioData"),
+fn drive(truth: &str) -> Vec<u8> {
+    let topics = [
+        ("/odom", "nav_msgs/msg/Odometry"),
+        ("/tracker", truth),
+        ("/mic", "audio_common_msgs/msg/AudioData"),
     ];
-    for k in 0..100_i32 {
+    let messages = (0..100_i32).flat_map(|k| {
         let (seconds, nanoseconds) = (1_716_249_600 + k / 10, (k % 10) as u32 * 100_000_000);
+        let time = (seconds, nanoseconds);
         let pose = [0.03 * f64::from(k), 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-        let odometry = Writer::default()
-            .header(seconds, nanoseconds)
-            .sequence(b"base\0")
-            .numbers(&pose)
-            .numbers(&[0.0; 36])
-            .numbers(&[0.3, 0.0, 0.0, 0.0, 0.0, 0.01])
-            .numbers(&[0.0; 36])
-            .message();
-        let tracker = Writer::default()
-            .header(seconds, nanoseconds)
-            .numbers(&pose)
-            .message();
         let sound: Vec<u8> = (0..960)
             .flat_map(|n: i32| ((k * 7 + n) as i16).to_le_bytes())
             .collect();
-        let mic = Writer::default().sequence(&sound).message();
-        for (channel, data) in channels.iter().zip([odometry, tracker, mic]) {
-            let log_time = (i64::from(seconds) * 1_000_000_000) as u64 + u64::from(nanoseconds);
-            writer
-                .write(&mcap::Message {
-                    channel: channel.clone(),
-                    sequence: k as u32,
-                    log_time,
-                    publish_time: log_time,
-                    data: Cow::Owned(data),
-                })
-                .unwrap();
-        }
-    }
-    writer.finish().unwrap();
+        let tracker = match truth {
+            "geometry_msgs/msg/TransformStamped" => written::transform(time, &pose),
+            _ => written::pose(time, &pose),
+        };
+        let log_ns = seconds as u64 * 1_000_000_000 + u64::from(nanoseconds);
+        [
+            (0, log_ns, written::odometry(time, &pose, 0.3, 0.01)),
+            (1, log_ns, tracker),
+            (2, log_ns, written::audio(&sound)),
+        ]
+    });
+    bag(&topics, messages, true)
 }
 
 #[test]
 fn a_bag_gives_logs_on_their_clocks_and_its_sound() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.mcap");
-    bag(&path);
+    std::fs::write(&path, drive("geometry_msgs/msg/PoseStamped")).unwrap();
     let whole = import(&path, &Topics::default()).unwrap();
     assert!(whole.warnings.is_empty(), "{:?}", whole.warnings);
     assert_eq!(
@@ -87,6 +53,10 @@ fn a_bag_gives_logs_on_their_clocks_and_its_sound() {
         import(folder.path(), &Topics::default()).unwrap().odometry,
         whole.odometry
     );
+    // Transforms of the robot are poses too.
+    let transforms = drive("geometry_msgs/msg/TransformStamped");
+    let by_transforms = read(&transforms, Path::new("t.mcap"), &Topics::default()).unwrap();
+    assert_eq!(by_transforms.truth, whole.truth);
     // Cut off anywhere, it gives a beginning of that, or says what it is.
     let bytes = std::fs::read(&path).unwrap();
     for part in 1..20 {
@@ -116,7 +86,7 @@ fn other_bags_and_topics_are_refused() {
     let message = |path: &Path, topics: &Topics| format!("{:#}", import(path, topics).unwrap_err());
     std::fs::write(&path, b"nothing of the kind, and long enough").unwrap();
     assert!(message(&path, &Topics::default()).contains("no MCAP bag"));
-    bag(&path);
+    std::fs::write(&path, drive("geometry_msgs/msg/PoseStamped")).unwrap();
     let topics = Topics {
         truth: Some("/mocap".to_owned()),
         ..Topics::default()

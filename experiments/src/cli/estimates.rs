@@ -2,10 +2,16 @@
 
 use std::fmt::Write as _;
 
+use anyhow::Result;
 use clap::ValueEnum;
 use localizer::io::recording_source::RecordingSource;
 use localizer::quality::Fit;
 use localizer::{Estimate, Method, Parameters, Trajectory};
+use serde_json::Value;
+
+use super::output::print;
+use super::trust::Warnings;
+use crate::scores::Scores;
 
 /// Clock of the times of estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -101,4 +107,63 @@ pub(super) fn table(
         );
     }
     text
+}
+
+/// The errors of a drive, and how much of it they are of.
+pub(super) struct Scored {
+    /// The errors, where the truth covers any pose.
+    pub(super) scores: Option<Scores>,
+    /// Share of the drive that the truth covers.
+    pub(super) coverage: f64,
+    /// Whether there is a truth.
+    pub(super) has_truth: bool,
+}
+
+impl Scored {
+    /// A word on a truth that covers a part.
+    pub(super) fn warn(&self, warnings: &mut Warnings) {
+        if self.has_truth && self.coverage < 1.0 {
+            warnings.add(format!(
+                "truth.tum covers {:.0} % of the drive; only that is scored",
+                100.0 * self.coverage
+            ));
+        }
+    }
+
+    /// Adds the errors to a report, an object.
+    pub(super) fn put_into(&self, mut report: Value) -> Value {
+        let score = |of: &dyn Fn(&Scores) -> f64| self.scores.as_ref().map(of);
+        for (field, value) in [
+            ("mae_m", score(&|scores| scores.mae_m)),
+            ("rmse_m", score(&|scores| scores.rmse_m)),
+            ("p90_m", score(&|scores| scores.p90_m)),
+            ("max_m", score(&|scores| scores.max_m)),
+            ("final_m", score(&|scores| scores.final_m)),
+            ("heading_mae_rad", score(&|scores| scores.heading_mae_rad)),
+            ("coverage", Some(self.coverage)),
+        ] {
+            report[field] = value.into();
+        }
+        report
+    }
+
+    /// Prints the mean error.
+    ///
+    /// # Errors
+    /// When standard output cannot be written.
+    pub(super) fn tell(&self) -> Result<()> {
+        match &self.scores {
+            Some(scores) => print(&format!(
+                "mean absolute position error {:.4} m over {:.0} % of the drive\n",
+                scores.mae_m,
+                100.0 * self.coverage
+            )),
+            None => {
+                if !self.has_truth {
+                    eprintln!("no truth.tum: no error to tell");
+                }
+                Ok(())
+            }
+        }
+    }
 }

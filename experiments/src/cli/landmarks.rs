@@ -1,15 +1,19 @@
 //! `echolot map` and `echolot localize` by landmarks.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
+use localizer::filter::motion_model::dead_reckon;
 use localizer::landmarks::{self, Estimate, LandmarkMap, Noise, Start, Status};
 use localizer::quality::{self, CodeMeter};
 use localizer::{EchoSequence, Parameters, Pose, Recording, Trajectory, echo};
 
+use super::estimates::Scored;
 use super::output::{print, print_json};
 use super::trust::{self, Warnings};
 use crate::data::{atomic, estimate, manifest};
+use crate::figures;
+use crate::figures::localization::{Background, Localization};
 use crate::metrics::{mean, rounded};
 use crate::run::progress::Board;
 use crate::scores::Scores;
@@ -48,6 +52,18 @@ pub(super) fn map(drives: &[(EchoSequence, Vec<Pose>)], output: &Path, json: boo
     Ok(())
 }
 
+/// What a localization among landmarks writes.
+pub(super) struct Wanted<'a> {
+    /// The trajectory; the table lies beside it.
+    pub(super) output: &'a Path,
+    /// A picture.
+    pub(super) figure: Option<&'a Path>,
+    /// What the clock of the estimates' times shows at the first period.
+    pub(super) reading_s: f64,
+    /// Whether the report is JSON.
+    pub(super) json: bool,
+}
+
 /// Follows the robot of a recording among the landmarks of a map: writes the trajectory, and beside it a table with
 /// covariance and status.
 pub(super) fn localize(
@@ -56,9 +72,9 @@ pub(super) fn localize(
     map: &LandmarkMap,
     parameters: &Parameters,
     start: &Start,
-    output: &Path,
-    json: bool,
+    wanted: &Wanted<'_>,
 ) -> Result<()> {
+    let (output, json) = (wanted.output, wanted.json);
     let task = Board::new().task("localize", 2);
     let echoes = echo::measure(recording, parameters)?;
     let mut warnings = Warnings::default();
@@ -80,38 +96,39 @@ pub(super) fn localize(
         t_s: estimates.iter().map(|estimate| estimate.t_s).collect(),
         poses: estimates.iter().map(|estimate| estimate.pose).collect(),
     };
-    estimate::write(output, &trajectory)?;
-    let table = output.with_extension("csv");
-    atomic::write(&table, csv(&estimates).as_bytes())?;
-    let (scores, latest, coverage) = scored(recording, &estimates);
-    if recording.truth.is_some() && coverage < 1.0 {
-        warnings.add(format!(
-            "truth.tum covers {:.0} % of the drive; only that is scored",
-            100.0 * coverage
-        ));
+    let table = write(output, &estimates, wanted.reading_s)?;
+    let (scored, latest) = scored(recording, &estimates);
+    if let Some(picture) = wanted.figure {
+        let fit: Vec<f64> = estimates.iter().map(|estimate| estimate.fit).collect();
+        let wheels = dead_reckon(recording, parameters, recording.start_pose());
+        let shown = Localization {
+            map: Background::Landmarks(map),
+            path: &trajectory,
+            truth: recording.truth.as_ref(),
+            wheels: &wheels,
+            fit: &fit,
+            fit_label: ["share", "(c) expected echoes that were found"],
+        };
+        figures::localization::draw(&shown, picture)?;
+        eprintln!("wrote {}", picture.display());
     }
+    scored.warn(&mut warnings);
     let shares =
         [Status::Sure, Status::Converging, Status::Lost].map(|status| share(&estimates, status));
     if json {
-        return print_json(&serde_json::json!({
+        let report = serde_json::json!({
             "estimate": output,
             "table": table,
             "poses": estimates.len(),
-            "mae_m": scores.as_ref().map(|scores| scores.mae_m),
-            "rmse_m": scores.as_ref().map(|scores| scores.rmse_m),
-            "p90_m": scores.as_ref().map(|scores| scores.p90_m),
-            "max_m": scores.as_ref().map(|scores| scores.max_m),
-            "final_m": scores.as_ref().map(|scores| scores.final_m),
             "latest_mae_m": latest.map(|scores| scores.mae_m),
-            "heading_mae_rad": scores.as_ref().map(|scores| scores.heading_mae_rad),
-            "coverage": coverage,
             "warnings": warnings.tell(),
             "status": {"sure": rounded(shares[0]), "converging": rounded(shares[1]), "lost": rounded(shares[2])},
             "fit": rounded(mean(&estimates.iter().map(|estimate| estimate.fit).collect::<Vec<_>>())),
             "speed_of_sound_mps": rounded(last.speed_of_sound_mps),
             "turn_rate_error_radps": rounded(last.turn_rate_error_radps),
             "speed_error": rounded(last.speed_error),
-        }));
+        });
+        return print_json(&scored.put_into(report));
     }
     eprintln!(
         "wrote {} and {} ({} poses)",
@@ -133,20 +150,25 @@ pub(super) fn localize(
             ),
     );
     print(&text)?;
-    match scores {
-        Some(scores) => print(&format!(
-            "mean absolute position error {:.4} m over {:.0} % of the drive\n",
-            scores.mae_m,
-            100.0 * coverage
-        ))?,
-        None if recording.truth.is_none() => eprintln!("no truth.tum: no error to tell"),
-        None => {}
-    }
+    scored.tell()?;
     if last.status == Status::Lost {
         warnings.add("lost at the end: the echoes do not fit the map there");
     }
     warnings.tell();
     Ok(())
+}
+
+/// Writes the trajectory, and a table with covariance and status beside it, on a clock that shows `reading_s` at the first
+/// period; the table's name comes back.
+pub(super) fn write(output: &Path, estimates: &[Estimate], reading_s: f64) -> Result<PathBuf> {
+    let trajectory = Trajectory {
+        t_s: estimates.iter().map(|e| e.t_s + reading_s).collect(),
+        poses: estimates.iter().map(|e| e.pose).collect(),
+    };
+    estimate::write(output, &trajectory)?;
+    let table = output.with_extension("csv");
+    atomic::write(&table, csv(estimates, reading_s).as_bytes())?;
+    Ok(table)
 }
 
 /// Share of the estimates that have a status.
@@ -155,14 +177,15 @@ pub(super) fn share(estimates: &[Estimate], status: Status) -> f64 {
     with as f64 / estimates.len().max(1) as f64
 }
 
-/// Scores of the poses at the blocks' instants, of those at the newest sample, and the share of the drive that the
-/// truth covers.
-pub(super) fn scored(
-    recording: &Recording,
-    estimates: &[Estimate],
-) -> (Option<Scores>, Option<Scores>, f64) {
+/// Scores of the poses at the blocks' instants, and of those at the newest sample.
+pub(super) fn scored(recording: &Recording, estimates: &[Estimate]) -> (Scored, Option<Scores>) {
     let Some(truth) = &recording.truth else {
-        return (None, None, 0.0);
+        let none = Scored {
+            scores: None,
+            coverage: 0.0,
+            has_truth: false,
+        };
+        return (none, None);
     };
     let of = |pose: &dyn Fn(&Estimate) -> (f64, Pose)| {
         let poses: Vec<(f64, Pose)> = estimates.iter().map(pose).collect();
@@ -170,16 +193,21 @@ pub(super) fn scored(
     };
     let (scores, coverage) = of(&|e| (e.t_s, e.pose));
     let (latest, _) = of(&|e| (e.latest_s, e.latest));
-    (scores, latest, coverage)
+    let scored = Scored {
+        scores,
+        coverage,
+        has_truth: true,
+    };
+    (scored, latest)
 }
 
 /// Whether bytes are a table that this command wrote.
 pub(super) fn is_table(bytes: &[u8]) -> bool {
-    bytes.starts_with(csv(&[]).as_bytes())
+    bytes.starts_with(csv(&[], 0.0).as_bytes())
 }
 
-/// The estimates as a table.
-pub(super) fn csv(estimates: &[Estimate]) -> String {
+/// The estimates as a table, on a clock that shows `reading_s` at the first period.
+fn csv(estimates: &[Estimate], reading_s: f64) -> String {
     let mut text = String::from(
         "t_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_mrad,yh_mrad,hh_rad2,status,fit,hypotheses,latest_s,latest_x_m,\
          latest_y_m,latest_heading_rad,turn_rate_error_radps,speed_error,speed_of_sound_mps\n",
@@ -194,13 +222,13 @@ pub(super) fn csv(estimates: &[Estimate]) -> String {
         text += &format!(
             "{:.6},{:.6},{:.6},{:.6},{xx:.3e},{xy:.3e},{yy:.3e},{xh:.3e},{yh:.3e},{hh:.3e},{status},{:.3},{},{:.6},\
              {:.6},{:.6},{:.6},{:.5},{:.5},{:.3}\n",
-            e.t_s,
+            e.t_s + reading_s,
             e.pose.x_m,
             e.pose.y_m,
             e.pose.heading_rad,
             e.fit,
             e.hypotheses,
-            e.latest_s,
+            e.latest_s + reading_s,
             e.latest.x_m,
             e.latest.y_m,
             e.latest.heading_rad,

@@ -14,7 +14,7 @@ use localizer::{Estimate, MapImage, Method, Parameters, Pose, Trajectory, offlin
 
 use super::alignment::AlignmentArguments;
 use super::arguments::{ForceArgument, ParameterArguments, files_of_map, files_of_recording};
-use super::estimates::{self, Clock};
+use super::estimates::{self, Clock, Scored};
 use super::landmarks;
 use super::output::{print, print_json};
 use super::trust::{self, Warnings};
@@ -23,7 +23,7 @@ use crate::data::estimate;
 use crate::data::place::Place;
 use crate::figures;
 use crate::figures::drawing::png;
-use crate::figures::localization::Localization;
+use crate::figures::localization::{Background, Localization};
 use crate::metrics::{quantile, rounded};
 use crate::run::progress::Board;
 use crate::scores::Scores;
@@ -161,9 +161,10 @@ const FARTHEST: f64 = 1e5;
 impl Arguments {
     /// Localizes among landmarks.
     fn among_landmarks(&self, source: RecordingSource, json: bool) -> Result<()> {
+        let clock = self.clock.unwrap_or_else(|| Clock::usual(&source));
+        let reading_s = clock.reading_s(&source);
         let recording = source.load()?;
         for (option, given) in [
-            ("--figure", self.figure.is_some()),
             ("--window", self.window.is_some()),
             ("--particles", self.particles.is_some()),
         ] {
@@ -196,8 +197,12 @@ impl Arguments {
             &map,
             &parameters,
             &start,
-            &self.output,
-            json,
+            &landmarks::Wanted {
+                output: &self.output,
+                figure: self.figure.as_deref(),
+                reading_s,
+                json,
+            },
         )
     }
 
@@ -282,7 +287,14 @@ impl Arguments {
         let text = estimates::table(&estimates, &fits, &parameters, reading_s);
         atomic::write(&table, text.as_bytes())?;
         if let Some(picture) = &self.figure {
-            self.draw(&source, &map, &parameters, (start, &estimates), picture)?;
+            let fit: Vec<f64> = fits.iter().map(|fit| fit.fit).collect();
+            self.draw(
+                &source,
+                &map,
+                &parameters,
+                (start, &estimates, &fit),
+                picture,
+            )?;
         }
         let sure = fits.iter().filter(|fit| fit.sure).count() as f64 / fits.len().max(1) as f64;
         let fit = quantile(&fits.iter().map(|fit| fit.fit).collect::<Vec<_>>(), 0.5);
@@ -296,32 +308,25 @@ impl Arguments {
             .iter()
             .map(|estimate| (estimate.t_s, estimate.pose))
             .collect();
-        let scored = source.truth.as_ref().map(|truth| Scores::of(&poses, truth));
-        let (scores, coverage) = scored.unwrap_or_default();
-        if source.truth.is_some() && coverage < 1.0 {
-            warnings.add(format!(
-                "truth.tum covers {:.0} % of the drive; only that is scored",
-                100.0 * coverage
-            ));
-        }
+        let found = source.truth.as_ref().map(|truth| Scores::of(&poses, truth));
+        let (scores, coverage) = found.unwrap_or_default();
+        let scored = Scored {
+            scores,
+            coverage,
+            has_truth: source.truth.is_some(),
+        };
+        scored.warn(&mut warnings);
         if json {
-            let score = |of: &dyn Fn(&Scores) -> f64| scores.as_ref().map(of);
-            return print_json(&serde_json::json!({
+            let report = serde_json::json!({
                 "estimate": self.output,
                 "table": table,
                 "poses": estimates.len(),
-                "mae_m": score(&|scores| scores.mae_m),
-                "rmse_m": score(&|scores| scores.rmse_m),
-                "p90_m": score(&|scores| scores.p90_m),
-                "max_m": score(&|scores| scores.max_m),
-                "final_m": score(&|scores| scores.final_m),
-                "heading_mae_rad": score(&|scores| scores.heading_mae_rad),
-                "coverage": coverage,
                 "status": {"sure": rounded(sure), "doubtful": rounded(1.0 - sure)},
                 "fit": rounded(fit),
                 "code_found": code.map(rounded),
                 "warnings": warnings.tell(),
-            }));
+            });
+            return print_json(&scored.put_into(report));
         }
         eprintln!(
             "wrote {} and {} ({} poses)",
@@ -336,15 +341,7 @@ impl Arguments {
             "{code}; fit {fit:.1} sigma; sure {:.0} % of the time\n",
             100.0 * sure
         ))?;
-        match scores {
-            Some(scores) => print(&format!(
-                "mean absolute position error {:.4} m over {:.0} % of the drive\n",
-                scores.mae_m,
-                100.0 * coverage
-            ))?,
-            None if source.truth.is_none() => eprintln!("no truth.tum: no error to tell"),
-            None => {}
-        }
+        scored.tell()?;
         warnings.tell();
         Ok(())
     }
@@ -355,7 +352,7 @@ impl Arguments {
         source: &RecordingSource,
         map: &MapImage,
         parameters: &Parameters,
-        (start, found): (Pose, &[Estimate]),
+        (start, found, fit): (Pose, &[Estimate], &[f64]),
         picture: &Path,
     ) -> Result<()> {
         let period_s = parameters.period_s();
@@ -371,17 +368,13 @@ impl Arguments {
             wheels.t_s.push(to_s);
             wheels.poses.push(pose);
         }
-        let particles = parameters.filter.particles.max(1) as f64;
-        let fit: Vec<f64> = found
-            .iter()
-            .map(|estimate| estimate.effective_sample_size / particles)
-            .collect();
         let shown = Localization {
-            map,
+            map: Background::Image(map),
             path: &offline::trajectory(found),
             truth: source.truth.as_ref(),
             wheels: &wheels,
-            fit: &fit,
+            fit,
+            fit_label: ["sigma", "(c) fit of the echoes"],
         };
         figures::localization::draw(&shown, picture)?;
         eprintln!("wrote {}", picture.display());

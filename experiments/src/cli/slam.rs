@@ -5,17 +5,19 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use fdtd::scene::Scene;
 use localizer::filter::motion_model::dead_reckon;
+use localizer::io::recording_source::{ReadOptions, RecordingSource};
 use localizer::landmarks::{self, Noise, Status};
 use localizer::quality::{self, CodeMeter};
 use localizer::{Parameters, Recording, Trajectory, echo, slam};
 
 use super::arguments::{ForceArgument, ParameterArguments, files_of_recording};
-use super::landmarks::{csv, is_table, scored, share};
+use super::estimates::Clock;
+use super::landmarks::{is_table, scored, share, write};
 use super::output::{print, print_json};
 use super::trust::{self, Warnings};
 use crate::data::layout::Layout;
 use crate::data::place::Place;
-use crate::data::{atomic, estimate, manifest};
+use crate::data::{estimate, manifest};
 use crate::figures;
 use crate::figures::drawing::png;
 use crate::figures::landmarks::{ESTIMATE, NamedPath, TRUTH, WHEELS};
@@ -88,7 +90,12 @@ impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
         self.check_output()?;
-        let recording = Recording::read(&self.recording)?;
+        let source = RecordingSource::open(&self.recording, &ReadOptions::default())?;
+        for line in source.alignment.told() {
+            eprintln!("{}: {line}", self.recording.display());
+        }
+        let reading_s = Clock::usual(&source).reading_s(&source);
+        let recording = source.load()?;
         let layout = match &self.scene {
             Some(file) => Some(Layout::of(&Scene::load(file)?)),
             None => None,
@@ -127,9 +134,7 @@ impl Arguments {
             t_s: drive.estimates.iter().map(|e| e.t_s).collect(),
             poses: drive.estimates.iter().map(|e| e.pose).collect(),
         };
-        estimate::write(&self.output, &trajectory)?;
-        let table = self.output.with_extension("csv");
-        atomic::write(&table, csv(&drive.estimates).as_bytes())?;
+        let table = write(&self.output, &drive.estimates, reading_s)?;
         if let Some(folder) = &self.map_out {
             manifest::put_into(folder, |new| Ok(map.write(new)?))?;
         }
@@ -137,21 +142,16 @@ impl Arguments {
         let walls = (map.landmarks.iter())
             .filter(|landmark| landmark.ends_m().is_some())
             .count();
-        let (scores, latest, coverage) = scored(&recording, &drive.estimates);
+        let (scored, latest) = scored(&recording, &drive.estimates);
         if let Some(picture) = &self.figure {
-            let title = match &scores {
+            let title = match &scored.scores {
                 Some(scores) => format!("Mean error {:.4} m, without map and truth", scores.mae_m),
                 None => format!("{walls} walls and {} points", map.landmarks.len() - walls),
             };
             let paths = paths(&recording, &parameters, &trajectory);
             figures::landmarks::draw(map, layout.as_ref(), &paths, &title, picture)?;
         }
-        if recording.truth.is_some() && coverage < 1.0 {
-            warnings.add(format!(
-                "truth.tum covers {:.0} % of the drive; only that is scored",
-                100.0 * coverage
-            ));
-        }
+        scored.warn(&mut warnings);
         if lost > 0.0 {
             warnings.add(
                 "from some block on the echoes do not fit the wheels; those poses are the wheels'",
@@ -159,7 +159,7 @@ impl Arguments {
         }
         if json {
             let [turn_rate, speed] = drive.wheel_errors;
-            return print_json(&serde_json::json!({
+            let report = serde_json::json!({
                 "estimate": self.output,
                 "table": table,
                 "map": self.map_out,
@@ -168,19 +168,13 @@ impl Arguments {
                 "landmarks": map.landmarks.len(),
                 "walls": walls,
                 "explained": rounded(map.explained),
-                "mae_m": scores.as_ref().map(|scores| scores.mae_m),
-                "rmse_m": scores.as_ref().map(|scores| scores.rmse_m),
-                "p90_m": scores.as_ref().map(|scores| scores.p90_m),
-                "max_m": scores.as_ref().map(|scores| scores.max_m),
-                "final_m": scores.as_ref().map(|scores| scores.final_m),
                 "latest_mae_m": latest.map(|scores| scores.mae_m),
-                "heading_mae_rad": scores.as_ref().map(|scores| scores.heading_mae_rad),
-                "coverage": coverage,
                 "warnings": warnings.tell(),
                 "status": {"sure": rounded(share(&drive.estimates, Status::Sure)), "lost": rounded(lost)},
                 "turn_rate_error_radps": rounded(turn_rate),
                 "speed_error": rounded(speed),
-            }));
+            });
+            return print_json(&scored.put_into(report));
         }
         eprintln!(
             "wrote {} and {} ({} poses)",
@@ -197,15 +191,7 @@ impl Arguments {
             100.0 * map.explained,
             100.0 * lost
         ))?;
-        match scores {
-            Some(scores) => print(&format!(
-                "mean absolute position error {:.4} m over {:.0} % of the drive\n",
-                scores.mae_m,
-                100.0 * coverage
-            ))?,
-            None if recording.truth.is_none() => eprintln!("no truth.tum: no error to tell"),
-            None => {}
-        }
+        scored.tell()?;
         warnings.tell();
         Ok(())
     }

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use fdtd::scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use super::atomic;
+use super::{atomic, json};
 
 /// Walls and size of a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -55,9 +55,7 @@ impl Layout {
     /// # Errors
     /// When the file cannot be read or holds something else.
     pub fn read(data: &Path) -> Result<Self> {
-        let path = data.join("layout.json");
-        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-        serde_json::from_str(&text).with_context(|| path.display().to_string())
+        json::read(&data.join("layout.json"))
     }
 
     /// Writes it, indented.

@@ -68,7 +68,7 @@ impl Manifest {
 
     /// Reads the manifest of a folder; `None` when there is none or it is damaged.
     pub fn read(folder: &Path) -> Option<Self> {
-        serde_json::from_slice(&std::fs::read(folder.join(NAME)).ok()?).ok()
+        localizer::io::json::parse(&std::fs::read_to_string(folder.join(NAME)).ok()?).ok()
     }
 
     /// Writes the manifest into its folder.

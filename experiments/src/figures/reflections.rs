@@ -12,6 +12,7 @@ use super::drawing::canvas::{self, LABEL};
 use super::drawing::colour;
 use super::drawing::legend::{Entry, legend};
 use super::drawing::stroke::Marker;
+use crate::data::json;
 use crate::data::table::Table;
 use crate::metrics::quantile;
 
@@ -54,8 +55,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let image: Array2<f32> =
         ndarray_npy::read_npy(&image_path).with_context(|| image_path.display().to_string())?;
     let place_path = data.join("reflections.json");
-    let place: IntensityPlace = serde_json::from_str(&std::fs::read_to_string(&place_path)?)
-        .with_context(|| place_path.display().to_string())?;
+    let place: IntensityPlace = json::read(&place_path)?;
     let rays = Table::read(&data.join("rays.csv"))?;
     let [near_m, far_m] = place.range_m;
     let gate = gated(&image);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use plotters::style::RGBColor;
 use serde::Deserialize;
 
@@ -12,6 +12,7 @@ use super::drawing::canvas::{self, Canvas, LABEL};
 use super::drawing::colour;
 use super::drawing::legend::{Entry, legend};
 use super::drawing::stroke::{Marker, Stroke};
+use crate::data::json;
 use crate::data::peaks::Peaks;
 
 /// The fields of a row of `bench.json` that the figure uses.
@@ -116,8 +117,7 @@ fn roofs(axes: &Axes<'_>, peak: &Peaks, stroke: Stroke) -> Result<()> {
 /// # Errors
 /// When the data file is missing or damaged, or the picture cannot be written.
 pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
-    let text = std::fs::read_to_string(data).with_context(|| data.display().to_string())?;
-    let data: Data = serde_json::from_str(&text).with_context(|| data.display().to_string())?;
+    let data: Data = json::read(data)?;
     let grids = grids(&data.rows);
     let speeds = data.rows.iter().map(Row::gflops);
     let lowest = speeds.fold(f64::INFINITY, f64::min).clamp(1e-3, 1e3);

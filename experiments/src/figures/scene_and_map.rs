@@ -10,6 +10,7 @@ use super::drawing::colour;
 use super::drawing::layout::{self, drive_points, path};
 use super::drawing::legend::{Entry, legend};
 use super::drawing::stroke::Stroke;
+use crate::data::json;
 use crate::data::layout::Layout;
 use crate::data::table::Table;
 use crate::metrics::quantile;
@@ -51,8 +52,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let map: ndarray::Array2<f32> =
         ndarray_npy::read_npy(&map_path).with_context(|| map_path.display().to_string())?;
     let place_path = data.join("map.json");
-    let place: MapPlace = serde_json::from_str(&std::fs::read_to_string(&place_path)?)
-        .with_context(|| place_path.display().to_string())?;
+    let place: MapPlace = json::read(&place_path)?;
     let tracks = [
         (
             "mapping",

@@ -3,8 +3,11 @@
 
 use std::path::{Path, PathBuf};
 
+use experiments::scores::Scores;
+use localizer::Trajectory;
 use localizer::io::recording_source::{ReadOptions, RecordingSource};
 use serde_json::Value;
+use sha2::{Digest, Sha256};
 
 use crate::room::{echolot, expect, refuse};
 
@@ -40,9 +43,14 @@ fn a_laboratorys_recordings_make_a_map_and_a_path() {
         ))
     };
     let [doppler, landmarks, wheels] = ["doppler", "landmarks", "odometry"].map(localize);
-    // A map from fourteen seconds of driving, wheels that slip by 0.15 radians a metre.
+    // A map from fourteen seconds of driving, and wheels whose slip was drawn.
     assert!(doppler < 0.8 * wheels, "{doppler} m, wheels {wheels} m");
-    assert!(landmarks < 0.01, "{landmarks} m");
+    assert!(landmarks < 0.005, "{landmarks} m");
+    let text = std::fs::read_to_string(at.join("landmarks.tum")).unwrap();
+    assert!(
+        text.lines().nth(1).unwrap().starts_with("17162496"),
+        "on the truth's clock"
+    );
     // Estimates are on the truth's clock, and a table lies beside them.
     let text = std::fs::read_to_string(at.join("doppler.tum")).unwrap();
     let (mark, text) = text.split_once('\n').unwrap();
@@ -68,6 +76,47 @@ fn a_laboratorys_recordings_make_a_map_and_a_path() {
         lines.contains("BAD") && lines.contains("code is not heard"),
         "{lines}"
     );
+}
+
+/// What `evo_ape tum truth.tum est.tum` of evo 1.38.1 said of the example localized, see `tests/fixtures`.
+#[test]
+fn evo_gives_the_same_errors() {
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    let evo = std::fs::read_to_string(fixtures.join("evo.json")).unwrap();
+    let evo: Value = serde_json::from_str(&evo).unwrap();
+    let truth = Trajectory::read_tum(&example().join("drive/truth.tum")).unwrap();
+    for method in ["doppler", "landmarks"] {
+        let estimate = Trajectory::read_tum(&fixtures.join(format!("{method}.tum"))).unwrap();
+        let poses: Vec<_> = estimate.t_s.iter().copied().zip(estimate.poses).collect();
+        let (scores, coverage) = Scores::of(&poses, &truth);
+        let scores = scores.unwrap();
+        assert_eq!(coverage, 1.0);
+        assert_eq!(evo[method]["pairs"], poses.len());
+        for (field, ours) in [
+            ("mean_m", scores.mae_m),
+            ("rmse_m", scores.rmse_m),
+            ("max_m", scores.max_m),
+        ] {
+            let theirs = evo[method][field].as_f64().unwrap();
+            assert!(
+                (ours - theirs).abs() < 1e-6,
+                "{method} {field}: {ours}, evo {theirs}"
+            );
+        }
+    }
+}
+
+/// The slip of the example's wheels was drawn, not chosen: uniform from 0 to 0.3 rad/m, by the first four bytes of the
+/// SHA-256 of `site_robot 7`, the robot's name and seed.
+#[test]
+fn the_examples_wheels_are_drawn() {
+    let digest = Sha256::digest(b"site_robot 7");
+    let share = f64::from(u32::from_be_bytes(digest[..4].try_into().unwrap())) / 2_f64.powi(32);
+    let robot = std::fs::read_to_string(example().join("robot.json")).unwrap();
+    let robot: Value = serde_json::from_str(&robot).unwrap();
+    let drawn = (0.3 * share * 1e4).round() / 1e4;
+    assert_eq!(robot["drift_radpm"].as_f64(), Some(drawn));
+    assert_eq!(robot["seed"], 7);
 }
 
 #[test]

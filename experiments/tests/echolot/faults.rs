@@ -1,13 +1,14 @@
 //! Faults from outside: killed at any moment, no room on the disk, flipped bits, two at once. What a command had
 //! written before is whole after it, and the same command then ends with the same bytes.
 //!
-//! Plain `cargo test` tries a few moments of each; `make robustness` tries all (`ECHOLOT_MOMENTS`).
+//! Plain `cargo test` tries a few moments of each; `make robustness` tries all (`ECHOLOT_MOMENTS`), or those of the
+//! commands that `ECHOLOT_CASES` names (`run,slam`).
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::room::{echolot, expect, note, scene_file};
+use crate::room::{drives, echolot, expect, note, quick_scene};
 
 /// How many moments, or bits, are tried.
 fn moments(few: usize) -> usize {
@@ -30,14 +31,8 @@ struct Case {
 
 /// The folder with scene, recordings and map, and the commands that are tried in it.
 fn cases(at: &Path) -> Vec<Case> {
-    scene_file(at);
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    std::fs::create_dir(at.join("scenes")).unwrap();
-    std::fs::copy(root.join("scenes/quick.json"), at.join("scenes/quick.json")).unwrap();
-    for (path, output) in [("mapping", "mapping"), ("localization", "drive")] {
-        let simulate = ["simulate", "room.json", "--path", path, "-o", output];
-        expect(at, &[&simulate[..], &["--engine", "image-source"]].concat());
-    }
+    quick_scene(at);
+    drives(at);
     expect(at, &["map", "mapping", "-o", "input"]);
     let case = |name, command: &[&'static str], files: &[&'static str]| Case {
         name,
@@ -67,7 +62,7 @@ fn cases(at: &Path) -> Vec<Case> {
         "cache",
         "--no-figures",
     ];
-    vec![
+    let all = vec![
         case(
             "simulate",
             &["simulate", "room.json", "--path", "short", "-o", "short"],
@@ -90,8 +85,19 @@ fn cases(at: &Path) -> Vec<Case> {
             &["marks/landmarks.json", "marks/landmarks.pgm"],
         ),
         case("localize", &localize, &["drive.tum", "drive.csv"]),
+        case(
+            "slam",
+            &["slam", "drive", "-o", "slam.tum", "--map-out", "slammed"],
+            &["slam.tum", "slam.csv", "slammed/landmarks.json"],
+        ),
         case("run", &run, &["results/quick/data/drift_paths.csv"]),
-    ]
+    ];
+    let wanted = std::env::var("ECHOLOT_CASES").ok();
+    let is_wanted = |case: &Case| {
+        let mut names = wanted.iter().flat_map(|names| names.split(','));
+        wanted.is_none() || names.any(|name| name == case.name)
+    };
+    all.into_iter().filter(is_wanted).collect()
 }
 
 fn start(at: &Path, command: &[&str]) -> Child {
@@ -139,8 +145,9 @@ fn a_kill_at_any_moment_loses_nothing() {
         let length_s = started.elapsed().as_secs_f64();
         let whole = contents(at, &files);
         assert!(whole.iter().all(Option::is_some), "{name}");
-        let (count, mut killed) = (moments(2), 0);
-        for index in 0..count {
+        let (count, mut killed, mut index) = (moments(2), 0, 0);
+        // Some come too late: the command has ended.
+        while killed < count && index < 3 * count {
             // Every other time there is nothing yet, or for `run` nothing in the cache.
             let anew = index % 2 == 1;
             if anew && name == "run" {
@@ -175,6 +182,7 @@ fn a_kill_at_any_moment_loses_nothing() {
                 Vec::<PathBuf>::new(),
                 "{name}, kill {index}"
             );
+            index += 1;
         }
         note(
             "kill -9",
@@ -352,5 +360,217 @@ fn two_at_once_do_not_harm_each_other() {
             );
         }
         note("two at once", name, count, "both end with the same bytes");
+    }
+}
+
+/// `track` writes nothing but lines: after a kill they are a beginning of all, whole but for the last, and nothing else is
+/// left.
+#[test]
+fn a_killed_track_has_told_a_beginning() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    drives(at);
+    expect(at, &["map", "mapping", "-o", "map"]);
+    let run = |kill_s: Option<f64>| -> (bool, Vec<u8>) {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_echolot"))
+            .current_dir(at)
+            .args([
+                "track", "--map", "map", "--window", "1.5", "--output", "tum",
+            ])
+            .args(["--odometry", "drive/odometry.csv", "--odometry-clock", "0"])
+            .args(["--late", "0", "--drift", "0", "--start", "0.85,0.9,11.459"])
+            .stdin(std::fs::File::open(at.join("drive/signal.wav")).unwrap())
+            .stdout(std::fs::File::create(at.join("poses.tum")).unwrap())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        if let Some(kill_s) = kill_s {
+            std::thread::sleep(Duration::from_secs_f64(kill_s));
+            child.kill().unwrap();
+        }
+        let ended = child.wait().unwrap().success();
+        (ended, std::fs::read(at.join("poses.tum")).unwrap())
+    };
+    let names = || {
+        let entries = std::fs::read_dir(at).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let started = Instant::now();
+    let (ended, whole) = run(None);
+    let length_s = started.elapsed().as_secs_f64();
+    assert!(ended && whole.iter().filter(|byte| **byte == b'\n').count() > 50);
+    let before = names();
+    let (count, mut killed, mut index) = (moments(2), 0, 0);
+    while killed < count && index < 3 * count {
+        let (ended, told) = run(Some(length_s * spread(index)));
+        killed += usize::from(!ended);
+        assert!(whole.starts_with(&told), "kill {index}");
+        assert_eq!(names(), before);
+        index += 1;
+    }
+    assert!(run(None) == (true, whole));
+    note(
+        "kill -9",
+        "track",
+        killed,
+        "what it had told is a beginning, the next run tells the same bytes",
+    );
+}
+
+/// A command that runs another as a user who may write nothing of root's, or where that is not root's business already
+/// nothing.
+#[cfg(target_os = "linux")]
+fn without_rights() -> Vec<&'static str> {
+    let root = Command::new("id").arg("-u").output();
+    match root.is_ok_and(|id| id.stdout == b"0\n") {
+        true => vec![
+            "setpriv",
+            "--reuid=65534",
+            "--regid=65534",
+            "--clear-groups",
+        ],
+        false => vec!["env"],
+    }
+}
+
+/// A folder in which nothing may be written, as a user who is not root.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_place_without_the_right_to_write_is_told() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let all = cases(at);
+    let allow = |mode| {
+        std::fs::set_permissions(at, std::fs::Permissions::from_mode(mode)).unwrap();
+    };
+    // The program where anybody may run it.
+    let program = at.join("program");
+    std::fs::copy(env!("CARGO_BIN_EXE_echolot"), &program).unwrap();
+    let mut refused = 0;
+    for Case {
+        name,
+        command,
+        files,
+    } in all
+    {
+        allow(0o555);
+        let user = without_rights();
+        let output = Command::new(user[0])
+            .args(&user[1..])
+            .arg(&program)
+            .current_dir(at)
+            .args(&command)
+            .output()
+            .unwrap();
+        allow(0o755);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{name}: {said}");
+        let last = said.lines().last().unwrap_or_default();
+        assert!(
+            last.starts_with("error: ") && last.contains("denied"),
+            "{name}: {said}"
+        );
+        assert!(contents(at, &files).iter().all(Option::is_none), "{name}");
+        refused += 1;
+    }
+    note(
+        "no right to write",
+        "simulate, map, localize, slam, run",
+        refused,
+        "a line, exit 2",
+    );
+}
+
+/// A small disk of its own that fills up, or may only be read, where such a one may be mounted.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_small_disk_that_is_full_or_read_only_gets_whole_files_or_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let all = cases(at);
+    let may = Command::new("unshare")
+        .args(["-m", "mount", "-t", "tmpfs", "none", "/mnt"])
+        .output()
+        .is_ok_and(|output| output.status.success());
+    if !may {
+        println!("no disk can be mounted here");
+        return;
+    }
+    for Case {
+        name,
+        command,
+        files,
+    } in all
+    {
+        expect(at, &command);
+        let whole = contents(at, &files);
+        let size: usize = whole.iter().flatten().map(Vec::len).sum();
+        let (mut full, mut read_only) = (0, 0);
+        for index in 0..moments(3).min(20) {
+            let kept = at.join("kept");
+            if kept.exists() {
+                std::fs::remove_dir_all(&kept).unwrap();
+            }
+            std::fs::create_dir_all(at.join("disk")).unwrap();
+            // In pages, from next to nothing to just below what the command writes.
+            let pages = 1 + (spread(index) * size as f64 / 4096.0) as usize;
+            let lock = if index == 0 {
+                "mount -o remount,ro . &&"
+            } else {
+                ""
+            };
+            let script = format!(
+                "mount -t tmpfs -o size={}k none disk && cd disk && ln -s ../*.json ../scenes ../mapping ../drive \
+                 ../input . && cd ../disk && {lock} {} {}; code=$?; cp -a . ../kept; exit $code",
+                4 * pages,
+                env!("CARGO_BIN_EXE_echolot"),
+                command.join(" ")
+            );
+            let output = Command::new("unshare")
+                .current_dir(at)
+                .args(["-m", "sh", "-c", &script])
+                .output()
+                .unwrap();
+            let said = String::from_utf8_lossy(&output.stderr);
+            let code = output.status.code();
+            // Files of the same content take one page less or more.
+            assert!(
+                code == Some(2) || (code == Some(0) && index > 0),
+                "{name}: {said}"
+            );
+            for ((file, now), whole) in files.iter().zip(contents(&kept, &files)).zip(&whole) {
+                assert!(
+                    now.is_none() || now == *whole,
+                    "{name}, {pages} pages: {file}"
+                );
+                assert!(
+                    code == Some(2) || now.is_some(),
+                    "{name}, {pages} pages: {file}"
+                );
+            }
+            if code == Some(2) {
+                assert!(said.contains("error: "), "{name}: {said}");
+                assert_eq!(
+                    temporaries(&kept),
+                    Vec::<PathBuf>::new(),
+                    "{name}, {pages} pages"
+                );
+                *(if index == 0 {
+                    &mut read_only
+                } else {
+                    &mut full
+                }) += 1;
+            }
+        }
+        note(
+            "full disk (tmpfs)",
+            name,
+            full,
+            "a line, exit 2, files whole or none",
+        );
+        note("read-only disk", name, read_only, "a line, exit 2, no file");
     }
 }

@@ -3,22 +3,15 @@
 
 use std::path::Path;
 
-use crate::room::{ROOM, SIMULATE, echolot, expect, note, refuse, scene_file};
+use crate::room::{
+    ROOM, SIMULATE, drives, drives_and_map, echolot, expect, note, quick_scene, refuse, scene_file,
+};
 
 /// Runs `echolot`, which may succeed or not, and tells what it said.
 fn said(at: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let output = echolot(at, arguments);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     (output.status.code(), text)
-}
-
-/// Two drives by image sources, `mapping` and `drive`, in the room.
-fn drives(at: &Path) {
-    scene_file(at);
-    for (path, output) in [("mapping", "mapping"), ("localization", "drive")] {
-        let simulate = ["simulate", "room.json", "--path", path, "-o", output];
-        expect(at, &[&simulate[..], &["--engine", "image-source"]].concat());
-    }
 }
 
 #[test]
@@ -72,8 +65,7 @@ fn a_recording_written_by_hand_stays() {
 fn inputs_are_never_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    drives(at);
-    expect(at, &["map", "mapping", "-o", "map"]);
+    drives_and_map(at);
     let localize = |output: &'static str| {
         [
             "localize",
@@ -166,8 +158,7 @@ fn a_map_made_by_another_program_stays() {
 fn what_is_no_regular_file_is_never_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    drives(at);
-    expect(at, &["map", "mapping", "-o", "map"]);
+    drives_and_map(at);
     let made = std::process::Command::new("mkfifo")
         .arg(at.join("pipe"))
         .status();
@@ -295,8 +286,7 @@ fn an_output_that_cannot_be_written_at_the_end_leaves_the_checkpoint() {
 fn what_a_killed_program_left_does_not_outlive_the_next_run() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    drives(at);
-    expect(at, &["map", "mapping", "-o", "map"]);
+    drives_and_map(at);
     // The name of a temporary file of this machine, whose process has ended.
     let own = localizer::io::temporary::name_beside(&at.join("x"));
     let own = own.file_name().unwrap().to_string_lossy().into_owned();
@@ -330,9 +320,7 @@ fn what_a_killed_program_left_does_not_outlive_the_next_run() {
 fn a_damaged_entry_of_the_cache_is_made_anew_and_told() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    std::fs::create_dir(at.join("scenes")).unwrap();
-    std::fs::copy(root.join("scenes/quick.json"), at.join("scenes/quick.json")).unwrap();
+    quick_scene(at);
     let run = |results: &'static str| {
         let quick = [
             "run",

@@ -3,17 +3,7 @@
 
 use std::path::Path;
 
-use crate::room::{ROOM, SIMULATE, echolot, expect, note, refuse, scene_file};
-
-/// A map and a drive by image sources in the room.
-fn drives(at: &Path) {
-    scene_file(at);
-    for (path, output) in [("mapping", "mapping"), ("localization", "drive")] {
-        let simulate = ["simulate", "room.json", "--path", path, "-o", output];
-        expect(at, &[&simulate[..], &["--engine", "image-source"]].concat());
-    }
-    expect(at, &["map", "mapping", "-o", "map"]);
-}
+use crate::room::{ROOM, SIMULATE, drives_and_map, echolot, expect, note, refuse, scene_file};
 
 /// Replaces a text in a file for the time of a call.
 fn with<T>(file: &Path, from: &str, to: &str, call: impl FnOnce() -> T) -> T {
@@ -40,7 +30,7 @@ const LOCALIZE: [&str; 8] = [
 fn numbers_of_a_recording_are_checked_before_anything_is_allocated() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    drives(at);
+    drives_and_map(at);
     let meta = at.join("drive/recording.json");
     let rate = "\"chip_rate_hz\": 10000.0";
     for (from, to, field) in [
@@ -125,11 +115,108 @@ fn numbers_of_a_recording_are_checked_before_anything_is_allocated() {
     );
 }
 
+/// An array in place of an object would be one whose fields all keep their defaults.
+#[test]
+fn an_array_is_never_taken_for_an_object() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    drives_and_map(at);
+    expect(
+        at,
+        &["map", "mapping", "--method", "landmarks", "-o", "marks"],
+    );
+    std::fs::copy(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/site.json"),
+        at.join("robot.json"),
+    )
+    .unwrap();
+    std::fs::write(at.join("p.json"), "{}").unwrap();
+    expect(at, &["transmit", "-o", "tx.wav", "--seconds", "1"]);
+    let with_parameters = [&LOCALIZE[..], &["--parameters", "p.json"]].concat();
+    let with_transmitted = [&LOCALIZE[..], &["--transmitted", "tx.json"]].concat();
+    let among_landmarks = [
+        "localize",
+        "drive",
+        "--map",
+        "marks",
+        "--method",
+        "landmarks",
+        "-o",
+        "l.tum",
+    ];
+    let by_robot = [&SIMULATE[..], &["robots", "--robot", "robot.json"]].concat();
+    let mut count = 0;
+    for (file, command) in [
+        ("drive/recording.json", LOCALIZE.to_vec()),
+        ("map/map.json", LOCALIZE.to_vec()),
+        ("p.json", with_parameters),
+        ("tx.json", with_transmitted),
+        ("marks/landmarks.json", among_landmarks.to_vec()),
+        ("robot.json", by_robot),
+        ("room.json", vec!["scene", "check", "room.json"]),
+    ] {
+        let path = at.join(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        for other in ["[]", "null", "7", "\"x\"", "[1023, 1e4]"] {
+            std::fs::write(&path, other).unwrap();
+            let complaint = refuse(at, &command);
+            assert!(complaint.contains(file), "{file} {other}: {complaint}");
+            count += 1;
+        }
+        std::fs::write(&path, text).unwrap();
+    }
+    for (file, from, to, field) in [
+        (
+            "drive/recording.json",
+            "\"start\": {",
+            "\"start\": [1, 2, 3], \"provenance\": {",
+            "start",
+        ),
+        (
+            "robot.json",
+            "\"speed_noise\": {",
+            "\"speed_noise\": [0.1, 1.0], \"x\": {",
+            "speed_noise",
+        ),
+        (
+            "room.json",
+            "\"name\": \"room\",",
+            "\"name\": \"room\", \"waveform\": [],",
+            "waveform",
+        ),
+        (
+            "room.json",
+            "\"name\": \"room\",",
+            "\"name\": \"room\", \"medium\": [],",
+            "medium",
+        ),
+    ] {
+        let command = match file {
+            "drive/recording.json" => LOCALIZE.to_vec(),
+            "robot.json" => [&SIMULATE[..], &["robots", "--robot", "robot.json"]].concat(),
+            _ => vec!["scene", "check", "room.json"],
+        };
+        let complaint = with(&at.join(file), from, to, || refuse(at, &command));
+        assert!(
+            complaint.contains(file) && complaint.contains(field),
+            "{complaint}"
+        );
+        count += 1;
+    }
+    expect(at, &LOCALIZE);
+    note(
+        "wrong input",
+        "arrays, numbers and texts for objects in JSON",
+        count,
+        "one line with file and field, exit 2",
+    );
+}
+
 #[test]
 fn numbers_of_the_command_line_and_of_parameters_have_bounds() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    drives(at);
+    drives_and_map(at);
     for command in [
         [&SIMULATE[..], &["new", "--threads", "100000"]].concat(),
         vec!["run", "layout", "--threads", "100000"],
@@ -191,7 +278,7 @@ fn numbers_of_the_command_line_and_of_parameters_have_bounds() {
 fn what_does_not_fit_into_limited_memory_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    drives(at);
+    drives_and_map(at);
     let limited = format!(
         "ulimit -v 4000000; exec {} localize drive --map map -o e.tum --particles 1000000",
         env!("CARGO_BIN_EXE_echolot")

@@ -1,7 +1,9 @@
 //! The command line tool and its modules, from outside.
 
+mod bags;
 mod bench;
 mod cache;
+mod code;
 mod commands;
 mod end_to_end;
 mod example;
@@ -11,6 +13,7 @@ mod files;
 mod inputs;
 mod interruption;
 mod landmarks;
+mod live;
 mod report;
 mod robot;
 mod room;

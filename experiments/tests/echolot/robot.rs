@@ -55,7 +55,7 @@ fn mae_m(at: &Path, robot: &str, seed: u32) -> f64 {
 }
 
 /// `echolot track` with a file on standard input.
-fn track(at: &Path, sound: &[u8], arguments: &[&str]) -> Output {
+pub(crate) fn track(at: &Path, sound: &[u8], arguments: &[&str]) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_echolot"))
         .current_dir(at)
         .arg("track")

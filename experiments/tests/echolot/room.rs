@@ -76,6 +76,35 @@ pub(crate) fn refuse(folder: &Path, arguments: &[&str]) -> String {
     complaint
 }
 
+/// The scene file, and by image sources the recordings `mapping` and `drive`.
+pub(crate) fn drives(folder: &Path) {
+    scene_file(folder);
+    for (path, output) in [("mapping", "mapping"), ("localization", "drive")] {
+        let simulate = ["simulate", "room.json", "--path", path, "-o", output];
+        expect(
+            folder,
+            &[&simulate[..], &["--engine", "image-source"]].concat(),
+        );
+    }
+}
+
+/// As [`drives`], and the map `map`.
+pub(crate) fn drives_and_map(folder: &Path) {
+    drives(folder);
+    expect(folder, &["map", "mapping", "-o", "map"]);
+}
+
+/// The quick preset's scene where `run` looks for it.
+pub(crate) fn quick_scene(folder: &Path) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    std::fs::create_dir(folder.join("scenes")).unwrap();
+    std::fs::copy(
+        root.join("scenes/quick.json"),
+        folder.join("scenes/quick.json"),
+    )
+    .unwrap();
+}
+
 /// Adds a line to the list of what was tried, where one is kept: see `echolot robustness`.
 pub(crate) fn note(kind: &str, what: &str, count: usize, result: &str) {
     let Some(list) = std::env::var_os("ECHOLOT_TRIED") else {

@@ -62,7 +62,7 @@ fn a_good_run_says_so_in_one_line_and_in_json() {
     }
     assert_eq!(report["coverage"], 1.0);
     assert_eq!(report["code_found"], 1.0);
-    assert!(report["status"]["sure"].as_f64().unwrap() > 0.8, "{report}");
+    assert!(report["status"]["sure"].as_f64().unwrap() > 0.9, "{report}");
     assert!(report["fit"].as_f64().unwrap() > 2.5, "{report}");
     assert!(
         report["warnings"].as_array().unwrap().is_empty() && said.is_empty(),
@@ -109,6 +109,7 @@ fn a_signal_without_the_code_is_refused_by_both_commands() {
         ("constant", "dead"),
         ("noise", "no echoes"),
         ("another", "no echoes"),
+        ("longer", "no echoes"),
     ] {
         let localize = ["localize", drive, "--map", "map", "-o", "e.tum"];
         for command in [&["map", drive, "-o", "new"][..], &localize] {
@@ -119,14 +120,7 @@ fn a_signal_without_the_code_is_refused_by_both_commands() {
         }
         assert!(!at.join("new").exists() && !at.join("e.tum").exists());
     }
-    // The direct wave of another code is loud enough to stand out of what the code makes of it: told, not refused.
-    let (_, said) = localize(at, "longer", &[]);
-    assert!(
-        said.contains("warning: longer: signal.wav") && said.contains("2047 chips"),
-        "{said}"
-    );
-    note("recording without echoes", "map, localize", 8, "refused");
-    note("recording of another code's length", "localize", 1, "told");
+    note("recording without echoes", "map, localize", 10, "refused");
 }
 
 #[test]
@@ -204,7 +198,7 @@ fn only_what_the_truth_covers_is_scored_and_mapped() {
         assert!((low..=high).contains(&coverage), "{drive}: {report}");
         assert!(said.contains("truth.tum covers"), "{drive}: {said}");
         match report["mae_m"].as_f64() {
-            Some(mae_m) => assert!(mae_m < 0.3 && coverage > 0.0, "{drive}: {report}"),
+            Some(mae_m) => assert!(mae_m < 0.1 && coverage > 0.0, "{drive}: {report}"),
             None => assert_eq!(coverage, 0.0),
         }
         let map = ["map", drive, "-o", "part", "--json"];

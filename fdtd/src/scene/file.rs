@@ -12,6 +12,7 @@ use crate::spread::Spread;
 use crate::walls::WallModel;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -141,7 +142,27 @@ impl SceneFile {
     pub(super) fn parse(text: &str, origin: &Path) -> Result<Self, Error> {
         // Editors of some systems put a byte order mark before the text.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        serde_json::from_str(text).map_err(|error| describe(text, &error, origin))
+        let describe = |error: serde_json::Error| describe(text, &error, origin);
+        let file: Self = serde_json::from_str(text).map_err(describe)?;
+        // A structure is read from an array too, field by field, and [] would be one of defaults.
+        let given: Value = serde_json::from_str(text).map_err(describe)?;
+        let read = serde_json::to_value(&file).unwrap_or_default();
+        match array_for_object(&given, &read) {
+            None => Ok(file),
+            Some(path) => {
+                let field = match path.as_str() {
+                    "" => "the scene",
+                    path => path,
+                };
+                let remedy = "see docs/reference/scene.md for the fields of a scene";
+                Err(Error::invalid(
+                    origin.display(),
+                    field,
+                    "is an array; give an object",
+                    remedy,
+                ))
+            }
+        }
     }
 
     /// Builds the scene; only what concerns a single path is checked here, see [`Scene::check`] for the rest.
@@ -182,6 +203,28 @@ impl SceneFile {
             robot: self.robot,
             paths,
         })
+    }
+}
+
+/// Path of the first array of a text that was read as an object.
+fn array_for_object(given: &Value, read: &Value) -> Option<String> {
+    let deeper = |key: &str, given, read| {
+        let path = array_for_object(given, read)?;
+        let dot = if path.is_empty() || path.starts_with('[') {
+            ""
+        } else {
+            "."
+        };
+        Some(format!("{key}{dot}{path}"))
+    };
+    match (given, read) {
+        (Value::Array(_), Value::Object(_)) => Some(String::new()),
+        (Value::Array(given), Value::Array(read)) => (given.iter().zip(read).enumerate())
+            .find_map(|(index, (given, read))| deeper(&format!("[{index}]"), given, read)),
+        (Value::Object(given), Value::Object(read)) => {
+            (given.iter()).find_map(|(key, given)| deeper(key, given, read.get(key)?))
+        }
+        _ => None,
     }
 }
 

@@ -11,8 +11,11 @@ pub(super) const PERIODS: usize = 12;
 /// Periods of them in which the code must be heard.
 const LEAST_HEARD: usize = 4;
 
-/// Least power of the code's strongest lag over the median of all lags.
+/// Least power of the code's strongest lag over the median of all lags where it is looked for again.
 pub(super) const LEAST_RATIO: f64 = 12.0;
+
+/// Logarithm of how seldom the strongest lag of another code may be taken for this one's.
+const SELDOM: f64 = 12.0;
 
 /// The direct wave is the first lag with so much of the strongest lag's power...
 const LEAST_DIRECT: f64 = 0.16;
@@ -59,7 +62,7 @@ pub(super) fn acquire(
     }
     let strongest = (0..length).max_by(|&a, &b| power[a].total_cmp(&power[b]))?;
     let ratio = power[strongest] / median(power.iter().copied()).max(f64::MIN_POSITIVE);
-    if !(ratio > LEAST_RATIO && power[strongest] > 0.0) {
+    if !(ratio > least_ratio(&power) && power[strongest] > 0.0) {
         return None;
     }
     let around = |lag: usize, by: isize| (lag as isize + by).rem_euclid(length as isize) as usize;
@@ -109,6 +112,22 @@ pub(super) fn acquire(
         ratio,
     };
     refine(input, found, shape, replica, resampler)
+}
+
+/// Least power of the strongest lag over the median of all, for it to be the code's.
+///
+/// What the code makes of another one repeats from period to period: its powers are distributed exponentially over the
+/// lags, and the largest of n exceeds `(ln n + x) / ln 2` medians with a probability of `exp(-x)`. Noise differs from
+/// period to period, and the mean of several is distributed more narrowly: by how much, the ninth decile tells.
+fn least_ratio(power: &[f64]) -> f64 {
+    let mut sorted = power.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let at = |share: f64| sorted[(share * sorted.len() as f64) as usize];
+    let (middle, high) = (at(0.5).max(f64::MIN_POSITIVE), at(0.9));
+    // The distance of the decile from the median, and of an exponential distribution in medians.
+    let width = (high / middle - 1.0).min(5.0_f64.log2());
+    let least = ((power.len() as f64).ln() + SELDOM) / std::f64::consts::LN_2;
+    1.0 + (least - 1.0) * width / 5.0_f64.log2()
 }
 
 /// The same clock by the phases of the direct wave.

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::files;
+use super::{files, json as json_text};
 use crate::error::Error;
 use crate::landmarks::{Landmark, LandmarkMap, Shape};
 use crate::parameters::Parameters;
@@ -86,15 +86,14 @@ impl LandmarkMap {
             let remedy = "make the map anew with `map --method landmarks`";
             Error::invalid(origin, field, problem, remedy)
         };
-        let syntax =
-            |error: serde_json::Error| refuse(format!("line {}", error.line()), error.to_string());
-        let Version { version } = serde_json::from_str(text).map_err(syntax)?;
+        let syntax = |(field, problem)| refuse(field, problem);
+        let Version { version } = json_text::parse(text).map_err(syntax)?;
         if version != VERSION {
             let problem = format!("is {version}, this program reads {VERSION}");
             return Err(refuse("version".into(), problem));
         }
-        let file: LandmarkFile = serde_json::from_str(text).map_err(syntax)?;
-        file.parameters.check()?;
+        let file: LandmarkFile = json_text::parse(text).map_err(syntax)?;
+        file.parameters.check_of_map()?;
         if file.landmarks.is_empty() || file.landmarks.len() > MOST_LANDMARKS {
             let problem = format!("has {} landmarks", file.landmarks.len());
             return Err(refuse("landmarks".into(), problem));

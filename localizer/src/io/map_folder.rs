@@ -94,7 +94,7 @@ impl MapImage {
             json::parse(header).map_err(|(field, problem)| refuse(&field, &problem))?;
         header
             .parameters
-            .check()
+            .check_of_map()
             .map_err(|error| refuse("parameters", &error.to_string()))?;
         if (header.cell_m - header.parameters.measurement.cell_m).abs() > 1e-9 {
             return Err(refuse("cell_m", "is not that of parameters"));

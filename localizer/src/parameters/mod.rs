@@ -70,6 +70,15 @@ impl Parameters {
     /// # Errors
     /// [`Error::Invalid`] with the first field that cannot be used.
     pub fn check(&self) -> Result<(), Error> {
+        self.check_of(self.transmitted.is_some())
+    }
+
+    /// As [`Self::check`], of a map: it may come from a waveform of its own, which the map does not hold.
+    pub(crate) fn check_of_map(&self) -> Result<(), Error> {
+        self.check_of(self.transmitted.is_some() || self.signal.code_length == 1)
+    }
+
+    fn check_of(&self, other_waveform: bool) -> Result<(), Error> {
         let refuse = |field: &str, value: &dyn std::fmt::Display, remedy: &str| {
             Err(Error::invalid(
                 "parameters",
@@ -78,8 +87,7 @@ impl Parameters {
                 remedy,
             ))
         };
-        self.signal
-            .check("parameters", self.transmitted.is_some())?;
+        self.signal.check("parameters", other_waveform)?;
         let Self {
             measurement: m,
             filter: f,

@@ -1,7 +1,10 @@
 //! The localizer behind `track`: by echo images or by landmarks.
 
 use localizer::landmarks::{LandmarkLocalizer, Status};
+use localizer::parameters::SignalParameters;
 use localizer::{Error, Localizer, Odometry, Pose};
+
+use super::view::{self, Echo};
 
 /// A pose as it is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +27,7 @@ pub(super) enum Engine {
         /// Time from a block's instant to its end in seconds.
         rest_s: f64,
         by_wheels: bool,
+        signal: SignalParameters,
     },
     Landmarks(Box<LandmarkLocalizer>),
 }
@@ -42,6 +46,7 @@ impl Engine {
                 particles,
                 rest_s,
                 by_wheels,
+                ..
             } => Ok(localizer
                 .step_period(samples, heard, odometry)?
                 .map(|estimate| Told {
@@ -70,6 +75,22 @@ impl Engine {
                         fit: estimate.fit,
                     }))
             }
+        }
+    }
+
+    /// The newest echoes: the largest of every direction and tenth of a metre, or the peaks.
+    pub(super) fn picture(&self) -> Vec<Echo> {
+        match self {
+            Self::Images {
+                localizer, signal, ..
+            } => view::of_block(&localizer.echoes().intensity, signal),
+            Self::Landmarks(localizer) => (localizer.tracker().peaks().iter())
+                .map(|peak| Echo {
+                    range_m: peak.range_m,
+                    cosine: peak.cosine,
+                    height: peak.amplitude,
+                })
+                .collect(),
         }
     }
 }

@@ -10,6 +10,7 @@ use anyhow::{Context, Result};
 use localizer::Odometry;
 use localizer::odometry::{OdometrySample, mean_over_time};
 
+use crate::live::lines::{Line, parse};
 use crate::run::interrupt;
 
 /// Lines that wait.
@@ -21,15 +22,9 @@ const KEPT_S: f64 = 5.0;
 /// Longest line, in bytes.
 const LONGEST_LINE: usize = 4096;
 
-/// What a source of lines says.
-enum Said {
-    Sample(OdometrySample),
-    Bad(String),
-}
-
 /// Wheels.
 pub(super) struct Wheels {
-    lines: Receiver<Said>,
+    lines: Receiver<Line>,
     samples: Vec<OdometrySample>,
     /// What the wheels' clock shows at time 0.
     reading_s: f64,
@@ -157,10 +152,10 @@ impl Wheels {
         Ok(())
     }
 
-    fn take(&mut self, said: Said) {
+    fn take(&mut self, said: Line) {
         let problem = match said {
-            Said::Bad(problem) => problem,
-            Said::Sample(sample) => {
+            Line::Bad(problem) => problem,
+            Line::Sample(sample) => {
                 let sample = OdometrySample {
                     t_s: sample.t_s - self.reading_s,
                     ..sample
@@ -187,12 +182,12 @@ impl Wheels {
 }
 
 /// Reads lines of a file or pipe until its end, or until nobody listens.
-fn read(path: &str, sender: &SyncSender<Said>) {
+fn read(path: &str, sender: &SyncSender<Line>) {
     let file = match File::open(path) {
         Ok(file) => file,
         Err(error) => {
             // Nobody listens any more, or hears of it.
-            let _ = sender.send(Said::Bad(format!("{path}: {error}")));
+            let _ = sender.send(Line::Bad(format!("{path}: {error}")));
             return;
         }
     };
@@ -211,7 +206,7 @@ fn read(path: &str, sender: &SyncSender<Said>) {
                 }
             }
             Err(error) => {
-                let _ = sender.send(Said::Bad(format!("{path}: {error}")));
+                let _ = sender.send(Line::Bad(format!("{path}: {error}")));
                 return;
             }
         }
@@ -219,7 +214,7 @@ fn read(path: &str, sender: &SyncSender<Said>) {
 }
 
 /// Receives datagrams of lines for ever, or until nobody listens.
-fn receive(socket: &UdpSocket, sender: &SyncSender<Said>) {
+fn receive(socket: &UdpSocket, sender: &SyncSender<Line>) {
     let mut bytes = [0; 65_536];
     loop {
         let Ok(count) = socket.recv(&mut bytes) else {
@@ -232,30 +227,5 @@ fn receive(socket: &UdpSocket, sender: &SyncSender<Said>) {
                 return;
             }
         }
-    }
-}
-
-/// A line; none for an empty one and the header.
-fn parse(line: &str) -> Option<Said> {
-    let line = line.trim().trim_start_matches('\u{feff}');
-    if line.is_empty() || line.starts_with("t_s") || line.starts_with('#') {
-        return None;
-    }
-    let numbers: Option<Vec<f64>> = line
-        .split(',')
-        .map(|part| {
-            part.trim()
-                .parse()
-                .ok()
-                .filter(|number: &f64| number.is_finite())
-        })
-        .collect();
-    match numbers.as_deref() {
-        Some(&[t_s, v_mps, omega_radps]) => Some(Said::Sample(OdometrySample {
-            t_s,
-            v_mps,
-            omega_radps,
-        })),
-        _ => Some(Said::Bad(format!("`{line}` is not three finite numbers"))),
     }
 }

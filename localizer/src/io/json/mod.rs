@@ -1,11 +1,15 @@
 //! JSON text to structures, with the path of the field where reading stopped.
 
+mod objects;
+
 use serde::de::DeserializeOwned;
+
+use self::objects::Objects;
 
 /// Longest problem that is told, in characters.
 const LONGEST: usize = 200;
 
-/// Reads JSON text. A byte order mark before it is skipped.
+/// Reads JSON text. A byte order mark before it is skipped; an array is never taken for a structure.
 ///
 /// # Errors
 /// The path of the field (`start.x_m`, `the file` for the whole) and the problem with its line and column, each of one
@@ -13,7 +17,7 @@ const LONGEST: usize = 200;
 pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, (String, String)> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = serde_json::Deserializer::from_str(text);
-    let value = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+    let value = serde_path_to_error::deserialize(Objects(&mut reader)).map_err(|error| {
         let path = error.path().to_string();
         let field = match path.as_str() {
             "." | "?" => "the file".to_string(),
@@ -72,6 +76,9 @@ mod tests {
             ),
             (whole("null") + "x", "the file", "trailing"),
             (String::new(), "the file", "EOF"),
+            ("[]".into(), "the file", "sequence"),
+            ("null".into(), "the file", "null"),
+            (whole("[1, 2, 0.3]"), "start", "sequence"),
             ("7".into(), "the file", "line 1"),
         ] {
             let (found, problem) = parse::<RecordingMeta>(&text).unwrap_err();
@@ -80,6 +87,11 @@ mod tests {
                 "{found}: {problem}"
             );
         }
+        let text = whole("{\"x_m\": 1, \"y_m\": 2.5, \"heading_rad\": 0}");
+        assert_eq!(
+            parse::<RecordingMeta>(&text).unwrap().start.unwrap().y_m,
+            2.5
+        );
         let long = format!("{{\"{}\": 1}}", "x\\n".repeat(5000));
         let (_, problem) = parse::<RecordingMeta>(&long).unwrap_err();
         assert!(problem.len() < 300 && !problem.contains('\n'), "{problem}");

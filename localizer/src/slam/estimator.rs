@@ -26,6 +26,8 @@ const GROWTH_S: f64 = 3.0;
 /// Blocks for which a fit must be good to be sure, and bad to be lost.
 const GOOD_BLOCKS: usize = 10;
 const BAD_BLOCKS: usize = 15;
+/// Times as many blocks are alike as in a known map: landmarks are learnt from the same echoes.
+const ALIKE: f64 = 2.0;
 /// Most blocks whose covariance is computed; those between have their neighbour's.
 const MOST_COVARIANCES: usize = 500;
 /// Variance of poses that nothing holds, m^2 and rad^2.
@@ -105,6 +107,7 @@ impl Slam {
         // Ranges are metres by the set speed of sound; nothing else says how long a metre is.
         let noise = Noise {
             sound: 1e-6,
+            alike_blocks: ALIKE * noise.alike_blocks,
             ..noise
         };
         let newest = Hypothesis::new(&start, START_SIGMA[0], START_SIGMA[1], &noise);
@@ -139,7 +142,7 @@ impl Slam {
     }
 
     /// Takes in what a block at the instant `t_s` with the mean odometry `during` saw; none when the robot stood.
-    pub(super) fn take(
+    pub fn take(
         &mut self,
         t_s: f64,
         during: Odometry,

@@ -152,9 +152,10 @@ impl LandmarkFilter {
     }
 
     fn judge(&mut self) {
-        if let Some(challenger) = self.challenger.take_if(|challenger| {
-            self.settled && challenger.blocks >= 1
-        }) {
+        if let Some(challenger) = self
+            .challenger
+            .take_if(|challenger| self.settled && challenger.blocks >= 1)
+        {
             let lead = challenger.lately - self.main.lately;
             let lost = self.status == Status::Lost;
             // A pose that is lost may as well be one of several that fit.

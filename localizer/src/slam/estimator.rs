@@ -2,7 +2,8 @@
 
 use nalgebra::Matrix3;
 
-use super::graph::{START_SIGMA, STATES};
+use super::equations::START_SIGMA;
+use super::graph::STATES;
 use super::joint::Joint;
 use crate::echo::EchoBlock;
 use crate::filter::motion_model::advance;
@@ -23,6 +24,8 @@ const FIRST_TURN_RAD: f64 = 0.8;
 const FIRST_AT_MOST_S: f64 = 12.0;
 /// Seconds between two estimates of the whole.
 const GROWTH_S: f64 = 3.0;
+/// Seconds until landmarks are looked for again when none were found that can be trusted.
+const RETRY_S: f64 = 1.0;
 /// Blocks for which a fit must be good to be sure, and bad to be lost.
 const GOOD_BLOCKS: usize = 10;
 const BAD_BLOCKS: usize = 15;
@@ -165,8 +168,13 @@ impl Slam {
         self.turned_rad += (during.omega_radps * self.parameters.period_s()).abs();
         let blocks = self.joint.blocks();
         if self.is_due() {
-            self.next = blocks + (GROWTH_S / self.parameters.period_s()).ceil() as usize;
             self.refine();
+            let wait_s = if self.map.is_some() {
+                GROWTH_S
+            } else {
+                RETRY_S
+            };
+            self.next = blocks + (wait_s / self.parameters.period_s()).ceil() as usize;
         }
         let pose = self.hypothesis().map_or(Pose::default(), Hypothesis::pose);
         let rest = recent.len() as f64 - here;

@@ -1,11 +1,15 @@
-//! Time of one step: the Doppler bank of one block, and the particle filter by the window's half width.
+//! Time of one step: the Doppler bank of one block, the particle filter by the window's half width, and a step among
+//! landmarks.
 
 use std::hint::black_box;
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use localizer::echo::DopplerBank;
 use localizer::filter::particle_filter::ParticleFilter;
 use localizer::image::{MapImage, map_builder};
+use localizer::landmarks::{
+    self, Landmark, LandmarkLocalizer, LandmarkMap, Noise, Shape, Start, Visibility,
+};
 use localizer::parameters::FilterParameters;
 use localizer::{EchoBlock, EchoSequence, Method, Odometry, Parameters, Pose};
 
@@ -87,5 +91,73 @@ fn step(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, step);
+/// A step among landmarks, samples to pose, and one from an unknown start while it searches the map.
+fn landmark_step(criterion: &mut Criterion) {
+    let mut parameters = Parameters::default();
+    parameters.measurement.periods = landmarks::PERIODS;
+    let odometry = Odometry {
+        v_mps: 0.3,
+        omega_radps: 0.1,
+    };
+    let samples = noise(parameters.samples_per_period());
+    let wall = |number: u32| {
+        let shape = Shape::Wall {
+            normal_rad: 0.5 * f64::from(number),
+            distance_m: 1.5 + 0.2 * f64::from(number),
+        };
+        let looks = (-30..30).map(|k| {
+            let place_m = 0.1 * f64::from(k);
+            let pose = Pose {
+                x_m: place_m,
+                y_m: -place_m,
+                heading_rad: 0.0,
+            };
+            (pose, true)
+        });
+        Landmark {
+            shape,
+            covariance: [[1e-6, 0.0], [0.0, 1e-6]],
+            range_sigma_m: 0.001,
+            visibility: Visibility::count(&shape, looks),
+            blocks: 60,
+        }
+    };
+    let map = LandmarkMap {
+        parameters: parameters.clone(),
+        landmarks: (0..12).map(wall).collect(),
+        area_m: [[-1.7, 1.7]; 2],
+        explained: 0.5,
+    };
+    let known = Start::Known {
+        pose: Pose::default(),
+        sigma_m: 0.01,
+        sigma_rad: 0.02,
+    };
+    for (name, start, warm) in [
+        ("landmarks, one step", known, 3),
+        ("landmarks, search over 4 m", Start::Unknown, 1),
+    ] {
+        let begin = || {
+            let noise = Noise::default();
+            let mut localizer =
+                LandmarkLocalizer::new(&parameters, map.clone(), &start, noise).ok()?;
+            for _ in 0..warm {
+                localizer.step(&samples, odometry).ok()?;
+            }
+            Some(localizer)
+        };
+        criterion.bench_function(name, |bencher| {
+            bencher.iter_batched(
+                begin,
+                |localizer| {
+                    let mut localizer = localizer?;
+                    localizer.step(black_box(&samples), odometry).ok()
+                },
+                BatchSize::LargeInput,
+            );
+        });
+    }
+}
+
+criterion_group!(benches, step, landmark_step);
 criterion_main!(benches);

@@ -1,8 +1,8 @@
 //! Domain: the streaming localizer in steady operation. A step that allocates may wait for the system at any time,
 //! which a robot that has to keep up with its signal cannot afford. After M + 1 steps (the first block and one more)
 //! `step` must not touch the heap: count of allocations exactly 0, with every way of removing the direct wave that
-//! can stream, with every method, and while the particles spread over more and more cells of the map. Errors may
-//! allocate.
+//! can stream, with every method, and while the particles spread over more and more cells of the map. The same for the
+//! localizer among landmarks from a known start, until it is lost: a search over the map allocates. Errors may allocate.
 
 #![expect(clippy::unwrap_used, reason = "a failed test may panic")]
 #![expect(
@@ -15,6 +15,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use localizer::echo::DopplerBank;
 use localizer::image::map_builder;
+use localizer::landmarks::{
+    Landmark, LandmarkLocalizer, LandmarkMap, Noise, Shape, Start, Visibility,
+};
 use localizer::parameters::{FilterParameters, MeasurementParameters};
 use localizer::{
     DirectWave, EchoBlock, EchoSequence, Localizer, MapImage, Method, Odometry, Parameters, Pose,
@@ -161,5 +164,75 @@ fn a_step_does_not_allocate_once_it_is_warm() {
             );
             assert_eq!(estimates, 14);
         }
+    }
+    among_landmarks();
+}
+
+/// Four walls around the origin, seen from everywhere near it.
+fn landmarks(parameters: &Parameters) -> LandmarkMap {
+    let wall = |quarter: u32| {
+        let shape = Shape::Wall {
+            normal_rad: f64::from(quarter) * std::f64::consts::FRAC_PI_2,
+            distance_m: 1.5,
+        };
+        let places = (-10..10).map(|k| 0.1 * f64::from(k));
+        let looks = places.map(|x_m| {
+            let pose = Pose {
+                x_m,
+                y_m: x_m,
+                heading_rad: 0.0,
+            };
+            (pose, true)
+        });
+        Landmark {
+            shape,
+            covariance: [[1e-6, 0.0], [0.0, 1e-6]],
+            range_sigma_m: 0.001,
+            visibility: Visibility::count(&shape, looks),
+            blocks: 20,
+        }
+    };
+    LandmarkMap {
+        parameters: parameters.clone(),
+        landmarks: (0..4).map(wall).collect(),
+        area_m: [[-1.0, 1.0]; 2],
+        explained: 0.5,
+    }
+}
+
+fn among_landmarks() {
+    for periods in [1, 2, 4] {
+        let parameters = Parameters {
+            measurement: MeasurementParameters {
+                periods,
+                max_range_m: 3.0,
+                ..MeasurementParameters::default()
+            },
+            ..Parameters::default()
+        };
+        let start = Start::Known {
+            pose: Pose::default(),
+            sigma_m: 0.01,
+            sigma_rad: 0.02,
+        };
+        let map = landmarks(&parameters);
+        let mut localizer =
+            LandmarkLocalizer::new(&parameters, map, &start, Noise::default()).unwrap();
+        let samples = noise(parameters.samples_per_period());
+        let mut step = || localizer.step(&samples, ODOMETRY).unwrap();
+        for _ in 0..=periods {
+            step();
+        }
+        let count = allocations(|| {
+            for _ in 0..8 {
+                assert!(step().is_some());
+            }
+        });
+        let peaks = localizer.tracker().peaks().len();
+        assert_eq!(
+            count, 0,
+            "{periods} periods: calls to the allocator in 8 steps"
+        );
+        assert!(peaks > 0, "there was something to hold against the map");
     }
 }

@@ -39,11 +39,14 @@ pub enum Start {
 const SEARCH_COSINE_SIGMA: f64 = 0.35;
 /// Blocks for which a fit must be good to be sure.
 const GOOD_BLOCKS: usize = 10;
-/// Blocks for which it must be bad for the robot to be lost.
+/// Blocks for which it must be bad for the pose to be sure no longer, and for the robot to be lost.
+const DOUBTFUL_BLOCKS: usize = 5;
 const BAD_BLOCKS: usize = 15;
-/// Blocks after which a search that found no pose begins anew.
-const SEARCH_BLOCKS: usize = 40;
-
+/// Blocks in which guesses settle, blocks over which they are compared with the pose that is followed, and blocks after
+/// which a search that found no pose begins anew.
+const SETTLING_BLOCKS: usize = 12;
+const COMPARED_BLOCKS: usize = 20;
+const SEARCH_BLOCKS: usize = 30;
 /// Blocks after the first search at which its outcome is held against another one.
 const CHECK_BLOCKS: [usize; 3] = [25, 50, 75];
 
@@ -52,6 +55,8 @@ pub struct LandmarkFilter {
     noise: Noise,
     main: Track,
     challenger: Option<Track>,
+    /// Whether the challenger has settled.
+    settled: bool,
     status: Status,
     searching: bool,
     /// Blocks until a pose that a search found is held against another search: symmetric places have copies.
@@ -83,6 +88,7 @@ impl LandmarkFilter {
             searching: hypotheses.is_empty(),
             main: Track::of(hypotheses),
             challenger: None,
+            settled: false,
             status,
             checks: match start {
                 Start::Known { .. } => &[],
@@ -123,42 +129,60 @@ impl LandmarkFilter {
     /// Takes in the peaks of a block.
     pub fn update(&mut self, seen: &Seen<'_>, map: &LandmarkMap) {
         if self.searching && seen.cosine_sigma < SEARCH_COSINE_SIGMA {
+            self.searching = false;
             let found = Track::of(search(seen, map, &self.noise));
             if self.main.hypotheses.is_empty() {
+                // The block has been used.
                 self.main = found;
-            } else {
-                self.main.begin();
-                self.challenger = Some(found);
+                return;
             }
-            self.searching = false;
+            self.challenger = Some(found);
+            self.settled = false;
+        } else if let Some(challenger) = &mut self.challenger {
+            challenger.update(seen, map, &self.noise);
+            if challenger.blocks == SETTLING_BLOCKS && !self.settled {
+                // Both are compared from here on.
+                challenger.begin();
+                self.main.begin();
+                self.settled = true;
+            }
         }
         self.main.update(seen, map, &self.noise);
-        if let Some(challenger) = &mut self.challenger {
-            challenger.update(seen, map, &self.noise);
-        }
         self.judge();
     }
 
     fn judge(&mut self) {
-        if let Some(challenger) = &self.challenger {
-            let lead = challenger.score - self.main.score;
-            if challenger.good >= GOOD_BLOCKS && lead > SURE_LOG_ODDS {
-                let found = self.challenger.take();
-                self.main = found.unwrap_or_default();
-            } else if self.main.good >= GOOD_BLOCKS && challenger.blocks >= SEARCH_BLOCKS / 2 {
-                self.challenger = None;
+        if let Some(challenger) = self
+            .challenger
+            .take_if(|challenger| self.settled && challenger.blocks >= 1)
+        {
+            let lead = challenger.lately - self.main.lately;
+            let lost = self.status == Status::Lost;
+            // A pose that is lost may as well be one of several that fit.
+            let fits = challenger.blocks >= GOOD_BLOCKS && challenger.fits();
+            if lost && fits && lead > SURE_LOG_ODDS {
+                self.main = challenger;
+                self.status = Status::Converging;
+                (self.checks, self.since_start) = (&CHECK_BLOCKS, 0);
+            } else if !lost && challenger.blocks >= COMPARED_BLOCKS {
+                self.main.join(challenger);
+            } else if challenger.blocks < SEARCH_BLOCKS {
+                self.challenger = Some(challenger);
             }
+        }
+        if self.challenger.is_none() {
+            self.settled = false;
         }
         if self.main.good >= GOOD_BLOCKS {
             self.status = Status::Sure;
         } else if self.main.bad >= BAD_BLOCKS {
             self.status = Status::Lost;
-        } else if self.status == Status::Sure && !self.main.is_single() {
+        } else if self.status == Status::Sure
+            && (self.main.bad >= DOUBTFUL_BLOCKS || !self.main.is_single())
+        {
             self.status = Status::Converging;
         }
-        let tried = self.challenger.as_ref().map(|challenger| challenger.blocks);
-        let lost =
-            self.status == Status::Lost && tried.is_none_or(|blocks| blocks >= SEARCH_BLOCKS);
+        let lost = self.status == Status::Lost && self.challenger.is_none();
         self.since_start += usize::from(!self.main.hypotheses.is_empty());
         let due = self
             .checks

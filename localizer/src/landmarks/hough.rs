@@ -110,8 +110,15 @@ impl Votes {
             .ceil()
             .clamp(8.0, 4000.0) as usize;
         let mut last = usize::MAX;
-        for step in 0..steps {
-            let (ny, nx) = (TAU * step as f64 / steps as f64).sin_cos();
+        // Around the circle by the same turn again and again.
+        let (turn_sine, turn_cosine) = (TAU / steps as f64).sin_cos();
+        let mut next = [1.0, 0.0];
+        for _ in 0..steps {
+            let [nx, ny] = next;
+            next = [
+                nx * turn_cosine - ny * turn_sine,
+                nx * turn_sine + ny * turn_cosine,
+            ];
             let Some(weight) = weight(nx, ny) else {
                 continue;
             };

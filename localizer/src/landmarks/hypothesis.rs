@@ -3,8 +3,9 @@
 //! State, in this order: x and y in metres, heading in radians, what the wheels' turn rate lacks in rad/s, and, as
 //! parts of one, what their speed lacks and what the set speed of sound lacks.
 
-use nalgebra::{Matrix3, RowVector6, SMatrix, Vector6};
+use nalgebra::{Matrix3, SMatrix, Vector6};
 
+use super::expectation::{Expected, Match};
 use super::landmark::Motion;
 use super::map::LandmarkMap;
 use super::peaks::{MOST_PEAKS, Peak};
@@ -41,15 +42,15 @@ pub struct Noise {
 impl Default for Noise {
     fn default() -> Self {
         Self {
-            way_m: 0.002,
-            turn_rad: 0.006,
+            way_m: 0.001,
+            turn_rad: 0.003,
             turn_rate_drift_radps: 0.02,
             speed_drift: 0.005,
             turn_rate_radps: 0.03,
             speed: 0.02,
-            sound: 0.003,
-            range_m: 0.0006,
-            alike_blocks: 2.0,
+            sound: 0.01,
+            range_m: 0.0002,
+            alike_blocks: 1.0,
         }
     }
 }
@@ -72,11 +73,15 @@ const GATE: f64 = 16.0;
 /// Degrees of freedom of the residuals' heavy tails.
 const TAILS: f64 = 4.0;
 /// Times as many blocks count once in the weight of a hypothesis: what the map does not know makes errors that last.
-const WEIGHT_BLOCKS: f64 = 2.0;
+const WEIGHT_BLOCKS: f64 = 4.0;
 /// Part of a guess's blur that is left after a block.
 const BLUR_KEPT: f64 = 0.75;
 /// Blur in metres below which a guess has settled.
 const SETTLED_M: f64 = 1e-3;
+/// Steps to the best state of a block.
+const ROUNDS: usize = 3;
+/// Probability of being seen below which a landmark is not looked for.
+const LEAST_VISIBLE: f64 = 0.02;
 /// Peaks of no landmark to be expected, per metre of range and unit of cosine.
 const CLUTTER: f64 = 0.8;
 
@@ -103,15 +108,6 @@ pub struct Hypothesis {
     /// Uncertainty of all ranges, in metres, beside their own: a guess must not settle on the first echoes that are
     /// near.
     pub blur_m: f64,
-}
-
-/// A peak and the landmark that it belongs to.
-#[derive(Debug, Clone, Copy)]
-struct Match {
-    peak: usize,
-    landmark: usize,
-    /// Probability that they belong together.
-    probability: f64,
 }
 
 impl Hypothesis {
@@ -198,12 +194,10 @@ impl Hypothesis {
             return Fit::default();
         };
         let mut fit = Fit::default();
-        for round in 0..3 {
-            let mut matches = [Match {
-                peak: 0,
-                landmark: 0,
-                probability: 0.0,
-            }; MOST_PEAKS];
+        // A guess is blurred by more than what a step is not linear in.
+        let rounds = if self.is_settled() { ROUNDS } else { 1 };
+        for round in 0..rounds {
+            let mut matches = [Match::default(); MOST_PEAKS];
             let (count, here) = self.associate(seen, map, noise, &mut matches);
             if round == 0 {
                 fit = here;
@@ -213,20 +207,11 @@ impl Hypothesis {
             difference[2] = wrap_angle(difference[2]);
             let mut pull = -(prior_information * difference);
             for found in &matches[..count] {
-                let row = Row::new(
-                    self,
-                    &seen.peaks[found.peak],
-                    found.landmark,
-                    seen,
-                    map,
-                    noise,
-                );
-                let weight = found.probability * (TAILS + 2.0)
-                    / (TAILS + row.squares())
-                    / noise.alike_blocks;
-                for (by_state, residual, variance) in row.parts() {
-                    information += by_state.transpose() * by_state * (weight / variance);
-                    pull += by_state.transpose() * (weight * residual / variance);
+                let weight = (TAILS + 2.0) / (TAILS + found.squares()) / noise.alike_blocks;
+                for k in 0..2 {
+                    let (by_state, weight) = (found.by_state[k], weight * found.weights[k]);
+                    information += by_state.transpose() * by_state * weight;
+                    pull += by_state.transpose() * (weight * found.residuals[k]);
                 }
             }
             let Some(root) = information.cholesky() else {
@@ -245,6 +230,11 @@ impl Hypothesis {
         fit
     }
 
+    /// Whether the ranges are no longer blurred.
+    pub(super) fn is_settled(&self) -> bool {
+        self.blur_m < SETTLED_M
+    }
+
     /// Finds the landmark of each peak; returns how many were found, and how well the block fits.
     fn associate(
         &self,
@@ -257,127 +247,51 @@ impl Hypothesis {
         let mut fit = Fit::default();
         let mut count = 0;
         let mut taken = [false; MOST_PEAKS];
-        for (landmark, entry) in map.landmarks.iter().enumerate() {
+        for entry in &map.landmarks {
+            let visible = entry.visibility.probability(entry.shape.aspect(&pose));
+            if visible < LEAST_VISIBLE {
+                continue;
+            }
             let echo = entry.shape.echo(&pose, &motion);
             if echo.range_m <= 0.0 {
                 continue;
             }
-            let visible = entry.visibility.probability(entry.shape.aspect(&pose));
-            let mut best: Option<(usize, f64, f64)> = None;
+            let expected = Expected::new(self, entry, &echo, seen, noise);
+            let mut best: Option<(usize, f64)> = None;
             for (number, peak) in seen.peaks.iter().enumerate().take(MOST_PEAKS) {
-                if taken[number] || (peak.range_m - echo.range_m).abs() > 0.5 {
+                if taken[number] {
                     continue;
                 }
-                let row = Row::new(self, peak, landmark, seen, map, noise);
-                let (squares, density) = row.distance(&self.covariance);
-                if squares < GATE && best.is_none_or(|(_, least, _)| squares < least) {
-                    best = Some((number, squares, density));
+                let squares = expected.distance(expected.residuals(peak));
+                if squares < GATE && best.is_none_or(|(_, least)| squares < least) {
+                    best = Some((number, squares));
                 }
             }
             fit.expected += visible;
             // What is missed counts less than what is found: echoes hide each other.
-            fit.log_likelihood += (1.0 - 0.9 * visible).ln();
-            if let Some((number, squares, density)) = best {
-                taken[number] = true;
-                fit.found += visible;
-                fit.log_likelihood -= (1.0 - 0.9 * visible).ln();
-                let ratio = visible * density * (-0.5 * squares).exp() / CLUTTER;
-                fit.log_likelihood += (0.1 + ratio).ln().max(-2.0);
-                if count < matches.len() && visible > 0.02 {
-                    matches[count] = Match {
-                        peak: number,
-                        landmark,
-                        probability: ratio / (1.0 - visible + ratio),
-                    };
-                    count += 1;
-                }
+            let Some((number, squares)) = best else {
+                fit.log_likelihood += (1.0 - 0.9 * visible).ln();
+                continue;
+            };
+            taken[number] = true;
+            fit.found += visible;
+            let ratio = visible * expected.density() * (-0.5 * squares).exp() / CLUTTER;
+            fit.log_likelihood += (0.1 + ratio).ln().max(-2.0);
+            if count < matches.len() {
+                let residuals = expected.residuals(&seen.peaks[number]);
+                let probability = ratio / (1.0 - visible + ratio);
+                matches[count] = Match {
+                    residuals,
+                    variances: expected.variances,
+                    weights: [
+                        expected.information(residuals[0], probability),
+                        probability / expected.variances[1],
+                    ],
+                    by_state: expected.by_state,
+                };
+                count += 1;
             }
         }
         (count, fit)
-    }
-}
-
-/// Residuals of one peak against one landmark.
-struct Row {
-    residuals: [f64; 2],
-    variances: [f64; 2],
-    by_state: [RowVector6<f64>; 2],
-}
-
-impl Row {
-    fn new(
-        hypothesis: &Hypothesis,
-        peak: &Peak,
-        landmark: usize,
-        seen: &Seen<'_>,
-        map: &LandmarkMap,
-        noise: &Noise,
-    ) -> Self {
-        let entry = &map.landmarks[landmark];
-        let echo = entry
-            .shape
-            .echo(&hypothesis.pose(), &hypothesis.motion(seen));
-        let (speed, sound) = (hypothesis.state[4], hypothesis.state[5]);
-        // A guess says nothing of wheels and air before it has settled.
-        let settled = if hypothesis.blur_m < SETTLED_M {
-            1.0
-        } else {
-            0.0
-        };
-        // Ranges are read with the set speed of sound, cosines also with the wheels' speed.
-        let (stretch, slant) = (1.0 - sound, 1.0 + speed - sound);
-        let [rx, ry, rt] = [0, 1, 2].map(|k| echo.range_by_pose[k] * stretch);
-        let [cx, cy, ct] = [0, 1, 2].map(|k| echo.cosine_by_pose[k] * slant);
-        let of_landmark: f64 = (0..2)
-            .flat_map(|a| (0..2).map(move |b| (a, b)))
-            .map(|(a, b)| echo.range_by_shape[a] * entry.covariance[a][b] * echo.range_by_shape[b])
-            .sum();
-        Self {
-            residuals: [
-                peak.range_m - echo.range_m * stretch,
-                peak.cosine - echo.cosine * slant,
-            ],
-            variances: [
-                entry.range_sigma_m.powi(2)
-                    + noise.range_m.powi(2)
-                    + hypothesis.blur_m.powi(2)
-                    + of_landmark,
-                seen.cosine_sigma.powi(2),
-            ],
-            by_state: [
-                RowVector6::new(rx, ry, rt, 0.0, 0.0, -settled * echo.range_m),
-                RowVector6::new(
-                    cx,
-                    cy,
-                    ct,
-                    0.0,
-                    settled * echo.cosine,
-                    -settled * echo.cosine,
-                ),
-            ],
-        }
-    }
-
-    /// Sum of the squared residuals over their variances.
-    fn squares(&self) -> f64 {
-        (0..2)
-            .map(|k| self.residuals[k].powi(2) / self.variances[k])
-            .sum()
-    }
-
-    /// Squared Mahalanobis distance with the state's uncertainty, and the density's factor before the exponential.
-    fn distance(&self, covariance: &Covariance) -> (f64, f64) {
-        let spread = [0, 1].map(|k| covariance * self.by_state[k].transpose());
-        let a = (self.by_state[0] * spread[0])[0] + self.variances[0];
-        let b = (self.by_state[0] * spread[1])[0];
-        let d = (self.by_state[1] * spread[1])[0] + self.variances[1];
-        let determinant = (a * d - b * b).max(1e-12);
-        let [r, c] = self.residuals;
-        let squares = (d * r * r - 2.0 * b * r * c + a * c * c) / determinant;
-        (squares, 1.0 / (std::f64::consts::TAU * determinant.sqrt()))
-    }
-
-    fn parts(&self) -> impl Iterator<Item = (RowVector6<f64>, f64, f64)> + '_ {
-        (0..2).map(|k| (self.by_state[k], self.residuals[k], self.variances[k]))
     }
 }

@@ -4,7 +4,9 @@
 //! millimetres. Here each peak of H(delay, direction) is read between the samples ([`peaks`]), a drive with known
 //! poses turns them into walls and points ([`mod@learn`]), and a filter follows the pose among these ([`filter`]).
 
+mod expectation;
 pub mod filter;
+mod fit;
 mod hough;
 pub mod hypothesis;
 pub mod landmark;

@@ -5,8 +5,12 @@ use super::map::LandmarkMap;
 use crate::odometry::Odometry;
 use crate::pose::wrap_angle;
 
-/// Logarithm of the weight below the best one's at which a hypothesis ends.
+/// Logarithm of the weight below the best one's at which a hypothesis may end.
 const LEAST_LOG_WEIGHT: f64 = -14.0;
+/// Part of what the best one explains by which a rival must fall short to be refuted, and twice of which to end. From
+/// where images of images are seen is known that well: in a room that is nearly its own copy the copy may lead by as
+/// much.
+const RIVAL_PART: f64 = 0.08;
 /// Distances (metres, radians) within which two hypotheses are one.
 const ALIKE: [f64; 2] = [0.04, 0.08];
 /// Logarithm of the odds from which on a hypothesis is sure.
@@ -32,9 +36,11 @@ pub(crate) struct Track {
     /// Blocks in a row with a good fit of a single hypothesis, and with a bad fit.
     pub(crate) good: usize,
     pub(crate) bad: usize,
+    /// Logarithm of the best one's likelihood.
+    score: f64,
     /// Blocks taken in, and the logarithm of the best one's likelihood since the last [`Track::begin`].
     pub(crate) blocks: usize,
-    pub(crate) score: f64,
+    pub(crate) lately: f64,
 }
 
 impl Track {
@@ -47,7 +53,7 @@ impl Track {
 
     /// Counts blocks and score from here on.
     pub(crate) fn begin(&mut self) {
-        (self.blocks, self.score) = (0, 0.0);
+        (self.blocks, self.lately) = (0, 0.0);
     }
 
     pub(crate) fn fit(&self) -> f64 {
@@ -81,13 +87,21 @@ impl Track {
         self.blocks += 1;
         self.thin();
         let tells = self.expected > LEAST_EXPECTED;
-        let fits = self.fit() > BAD_FIT;
-        self.bad = if tells && !fits { self.bad + 1 } else { 0 };
-        self.good = if tells && fits && self.is_single() {
+        self.bad = if tells && !self.fits() {
+            self.bad + 1
+        } else {
+            0
+        };
+        self.good = if self.fits() && self.is_single() {
             self.good + 1
         } else {
             0
         };
+    }
+
+    /// Whether the best hypothesis expects echoes, and finds enough of them.
+    pub(crate) fn fits(&self) -> bool {
+        self.expected > LEAST_EXPECTED && self.fit() > BAD_FIT
     }
 
     /// Whether one hypothesis stands out, and is narrow.
@@ -96,7 +110,20 @@ impl Track {
         let narrow = self.hypotheses.first().is_some_and(|best| {
             best.covariance[(0, 0)] + best.covariance[(1, 1)] < SURE_SIGMA_M.powi(2)
         });
-        narrow && second.is_none_or(|second| second.log_weight < -SURE_LOG_ODDS)
+        let enough = SURE_LOG_ODDS.max(RIVAL_PART * self.score);
+        narrow && second.is_none_or(|second| second.log_weight < -enough)
+    }
+
+    /// Takes over the hypotheses of another track that followed the same blocks since both began; their likelihoods
+    /// are taken to have fallen short of this one's at the same rate before, and to begin behind it.
+    pub(crate) fn join(&mut self, other: Self) {
+        let longer = (self.score / self.lately.max(1e-6)).clamp(1.0, 100.0);
+        for mut hypothesis in other.hypotheses {
+            let lead = other.lately + hypothesis.log_weight - self.lately;
+            hypothesis.log_weight = (longer * lead).min(-0.5 * SURE_LOG_ODDS);
+            self.hypotheses.push(hypothesis);
+        }
+        self.thin();
     }
 
     /// Drops and joins hypotheses, the best one first.
@@ -107,10 +134,12 @@ impl Track {
             return;
         };
         self.score += most;
+        self.lately += most;
+        let least = LEAST_LOG_WEIGHT.min(-2.0 * RIVAL_PART * self.score);
         let mut kept = 0;
         for index in 0..self.hypotheses.len() {
             self.hypotheses[index].log_weight -= most;
-            if self.hypotheses[index].log_weight < LEAST_LOG_WEIGHT {
+            if self.hypotheses[index].log_weight < least {
                 continue;
             }
             let pose = self.hypotheses[index].pose();

@@ -2,7 +2,8 @@
 
 use nalgebra::Matrix3;
 
-use super::graph::{START_SIGMA, STATES};
+use super::equations::START_SIGMA;
+use super::graph::STATES;
 use super::joint::Joint;
 use crate::echo::EchoBlock;
 use crate::filter::motion_model::advance;
@@ -23,9 +24,13 @@ const FIRST_TURN_RAD: f64 = 0.8;
 const FIRST_AT_MOST_S: f64 = 12.0;
 /// Seconds between two estimates of the whole.
 const GROWTH_S: f64 = 3.0;
+/// Seconds until landmarks are looked for again when none were found that can be trusted.
+const RETRY_S: f64 = 1.0;
 /// Blocks for which a fit must be good to be sure, and bad to be lost.
 const GOOD_BLOCKS: usize = 10;
 const BAD_BLOCKS: usize = 15;
+/// Times as many blocks are alike as in a known map: landmarks are learnt from the same echoes.
+const ALIKE: f64 = 2.0;
 /// Most blocks whose covariance is computed; those between have their neighbour's.
 const MOST_COVARIANCES: usize = 500;
 /// Variance of poses that nothing holds, m^2 and rad^2.
@@ -105,6 +110,7 @@ impl Slam {
         // Ranges are metres by the set speed of sound; nothing else says how long a metre is.
         let noise = Noise {
             sound: 1e-6,
+            alike_blocks: ALIKE * noise.alike_blocks,
             ..noise
         };
         let newest = Hypothesis::new(&start, START_SIGMA[0], START_SIGMA[1], &noise);
@@ -139,7 +145,7 @@ impl Slam {
     }
 
     /// Takes in what a block at the instant `t_s` with the mean odometry `during` saw; none when the robot stood.
-    pub(super) fn take(
+    pub fn take(
         &mut self,
         t_s: f64,
         during: Odometry,
@@ -162,8 +168,13 @@ impl Slam {
         self.turned_rad += (during.omega_radps * self.parameters.period_s()).abs();
         let blocks = self.joint.blocks();
         if self.is_due() {
-            self.next = blocks + (GROWTH_S / self.parameters.period_s()).ceil() as usize;
             self.refine();
+            let wait_s = if self.map.is_some() {
+                GROWTH_S
+            } else {
+                RETRY_S
+            };
+            self.next = blocks + (wait_s / self.parameters.period_s()).ceil() as usize;
         }
         let pose = self.hypothesis().map_or(Pose::default(), Hypothesis::pose);
         let rest = recent.len() as f64 - here;

@@ -27,6 +27,9 @@ const MATCH_NATS: f64 = 2.0;
 const DOUBTFUL_STRAIN: f64 = 0.6;
 const MANY_MATCHED: f64 = 4.0;
 const MOST_STRAIN: f64 = 1.5;
+/// Peaks a block that the first estimate needs, and seconds after which it is taken without them.
+const CHECKED_MATCHED: f64 = 2.0;
+const FIRST_AT_MOST_S: f64 = 20.0;
 /// Gauss-Newton steps for each gate.
 const STEPS: usize = 2;
 
@@ -68,6 +71,11 @@ impl Attempt {
         let strain = self.graph.strain();
         strain > MOST_STRAIN || (strain > DOUBTFUL_STRAIN && self.matched < MANY_MATCHED)
     }
+
+    /// Whether there are echoes that check it: of two landmarks, what is none fits as well.
+    fn is_checked(&self) -> bool {
+        self.landmarks.len() > 2 && self.matched >= CHECKED_MATCHED
+    }
 }
 
 impl Joint {
@@ -88,6 +96,11 @@ impl Joint {
         self.graph.nodes.len() - 1
     }
 
+    /// Seconds of the drive.
+    fn seconds(&self) -> f64 {
+        self.graph.wheels.iter().map(|(_, seconds)| seconds).sum()
+    }
+
     /// Number of blocks that an estimate that was taken has.
     pub(super) fn good_blocks(&self) -> usize {
         self.good.as_ref().map_or(0, |graph| graph.nodes.len() - 1)
@@ -99,22 +112,27 @@ impl Joint {
     pub(super) fn refine(&mut self) -> Newest {
         let followed = self.graph.clone();
         let mut best = self.attempt(self.landmarks.clone());
+        let first = self.good.is_none() && self.seconds() < FIRST_AT_MOST_S;
+        if first {
+            best = best.filter(Attempt::is_checked);
+        }
         if best.as_ref().is_none_or(Attempt::is_doubtful) {
             let mut carried = self.good.clone().unwrap_or_else(|| followed.start());
             carried.carry_on(&followed);
             for landmarks in [self.landmarks.clone(), Vec::new()] {
                 self.graph = carried.clone();
                 if let Some(other) = self.attempt(landmarks)
+                    && (!first || other.is_checked())
                     && best.as_ref().is_none_or(|best| other.score > best.score)
                 {
                     best = Some(other);
                 }
             }
-            if best
-                .as_ref()
-                .is_none_or(|best| best.graph.strain() > MOST_STRAIN)
-            {
-                best = None;
+            let usable = |best: &Attempt| {
+                best.graph.strain() <= MOST_STRAIN && !(first && best.is_doubtful())
+            };
+            best = best.filter(usable);
+            if best.is_none() {
                 self.graph = carried;
                 self.place();
             }

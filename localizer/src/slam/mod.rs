@@ -6,9 +6,11 @@
 //! ([`estimator`]).
 
 mod associate;
+mod equations;
 mod estimator;
 mod graph;
 mod joint;
+mod wheels;
 
 pub use self::estimator::{Drive, Newest, Slam};
 

@@ -1,6 +1,7 @@
 //! The cells of a study: every combination of what varies, and what is drawn in each.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
@@ -12,8 +13,9 @@ use crate::run::project;
 /// Most cells, and most trials in all: more are a mistake.
 const MOST_CELLS: usize = 100_000;
 pub(super) const MOST_TRIALS: usize = 10_000_000;
-/// Most seeds of one kind.
+/// Most seeds of one kind, and most layouts drawn at random.
 const MOST_SEEDS: usize = 1_000_000;
+const MOST_LAYOUTS: u64 = 100_000;
 
 /// A combination of what varies.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +25,7 @@ pub struct Cell {
     /// Its values.
     pub settings: Settings,
     /// Its scenes: one file, or layouts drawn at random.
-    pub(super) sources: Vec<Source>,
+    pub(super) sources: Arc<[Source]>,
 }
 
 /// The numbers of what is drawn in a trial: layout, slip, noise, filter.
@@ -241,7 +243,7 @@ fn scene_cells(study: &StudyFile, folder: &Path) -> Result<Vec<Cell>> {
             }
             SceneChoice::Random(layouts) => {
                 let [first, last] = layouts.seeds;
-                if !(first..first.saturating_add(MOST_SEEDS as u64)).contains(&last) {
+                if !(first..first.saturating_add(MOST_LAYOUTS)).contains(&last) {
                     bail!(
                         "scenes[{number}].seeds: {first} to {last} is no range; give first and last seed"
                     );
@@ -260,7 +262,7 @@ fn scene_cells(study: &StudyFile, folder: &Path) -> Result<Vec<Cell>> {
         cells.push(Cell {
             labels: vec![("scene".to_string(), name)],
             settings: study.set.clone(),
-            sources,
+            sources: sources.into(),
         });
     }
     match cells.as_mut_slice() {

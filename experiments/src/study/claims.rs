@@ -193,7 +193,7 @@ impl Selection {
 
 impl Test {
     /// What it looks at.
-    fn selections(&self) -> Vec<&Selection> {
+    pub(super) fn selections(&self) -> Vec<&Selection> {
         match self {
             Self::Bound { of, .. } | Self::Best { of, .. } => vec![of],
             Self::Ratio { of, over, .. } => vec![of, over],

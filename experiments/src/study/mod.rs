@@ -71,6 +71,7 @@ impl Study {
     }
 
     fn checked(file: StudyFile, folder: PathBuf) -> Result<Self> {
+        check_names(&file)?;
         let is_name = |text: &str| {
             !text.is_empty()
                 && text.len() <= 80
@@ -189,6 +190,61 @@ impl Study {
         };
         curves.chain([bars, FigureChoice::Cdf {}]).collect()
     }
+}
+
+/// Refuses names that no line could tell: with control characters, or longer than a line.
+fn check_names(file: &StudyFile) -> Result<()> {
+    const LONGEST: usize = 120;
+    let named = |what: &str, text: &str| -> Result<()> {
+        if text.len() <= LONGEST && !text.chars().any(char::is_control) {
+            return Ok(());
+        }
+        let begin: String = text.escape_debug().take(40).collect();
+        bail!("{what}: '{begin}...' cannot be a name; use up to {LONGEST} letters in one line")
+    };
+    named("name", &file.name)?;
+    for choice in &file.scenes {
+        if let file::SceneChoice::File(path) = choice {
+            named("scenes", &path.to_string_lossy())?;
+        }
+    }
+    for alternative in &file.alternatives {
+        named("alternatives", &alternative.name)?;
+    }
+    let claims = file.claims.iter();
+    claims
+        .clone()
+        .try_for_each(|claim| named("claims", &claim.id))?;
+    let selected = claims.filter_map(|claim| claim.test.as_ref());
+    let selected = selected
+        .flat_map(|test| test.selections())
+        .map(|of| &of.cell);
+    let own = file.methods.iter().filter_map(|choice| choice.settings());
+    let chosen = file.alternatives.iter().map(|alternative| &alternative.set);
+    let drawn = file.figures.iter().filter_map(|figure| match figure {
+        FigureChoice::Paths { cell } => Some(cell),
+        _ => None,
+    });
+    let sets = [&file.set].into_iter().chain(own).chain(chosen);
+    for (name, value) in sets.chain(drawn).chain(selected).flatten() {
+        named("names of values", name)?;
+        named("values", value.as_str().unwrap_or_default())?;
+    }
+    for entry in &file.vary {
+        entry.keys().try_for_each(|name| named("vary", name))?;
+        for value in entry.values() {
+            if let file::Values::List(list) = value {
+                let mut texts = list.iter().filter_map(serde_json::Value::as_str);
+                texts.try_for_each(|text| named("vary", text))?;
+            }
+        }
+    }
+    for figure in &file.figures {
+        if let FigureChoice::Curve { over, .. } = figure {
+            named("figures", over)?;
+        }
+    }
+    Ok(())
 }
 
 /// The methods of a file.

@@ -61,7 +61,9 @@ impl Plan {
     pub fn new(study: &Study, only: &[String], workspace: &Workspace) -> Result<Self> {
         let chosen = chosen(&study.cells, only)?;
         let resolver = Resolver::new(&workspace.cache);
-        let sources = chosen.iter().flat_map(|&cell| &study.cells[cell].sources);
+        let sources = chosen
+            .iter()
+            .flat_map(|&cell| study.cells[cell].sources.iter());
         let mut sources: Vec<&Source> = sources.collect();
         sources.sort();
         sources.dedup();

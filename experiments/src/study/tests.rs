@@ -39,6 +39,15 @@ fn refused(changes: &[(&str, Value)], words: &[&str]) {
 fn what_cannot_be_used_is_refused_by_name() {
     refused(&[("name", json!("../evil"))], &["name", "folder"]);
     refused(&[("name", json!(""))], &["name"]);
+    refused(&[("name", json!("a".repeat(4000)))], &["name"]);
+    refused(
+        &[("set", json!({"scene.a\nb": 1}))],
+        &["names of values", "a\\nb"],
+    );
+    refused(
+        &[("vary", json!([{"scene.name": ["two\nlines"]}]))],
+        &["vary"],
+    );
     refused(&[("colour", json!(1))], &["colour"]);
     refused(&[("scenes", json!([]))], &["scenes"]);
     refused(&[("scenes", json!([7]))], &["scenes"]);

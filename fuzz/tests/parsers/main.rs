@@ -20,6 +20,7 @@ use experiments::data::{estimate, json};
 use experiments::figures::drawing::png;
 use experiments::recordings::robot::Robot;
 use experiments::run::preset::Preset;
+use experiments::study::{Study, StudySummary};
 use experiments::summary::Summary;
 use experiments::trials::TrialResult;
 use fdtd::motion::DrivePath;
@@ -49,6 +50,21 @@ fn scene() {
             return;
         }
         line(Scene::from_json(&text, Path::new("scene.json")));
+    });
+}
+
+#[test]
+fn study() {
+    fuzz_text("study", |text| {
+        if let Some(study) = line(Study::parse(text, Path::new("study.json"))) {
+            assert!(!study.cells.is_empty() && !study.methods().is_empty());
+        }
+    });
+    fuzz_text("study_summary", |text| {
+        drop(line(json::parse::<StudySummary>(
+            text,
+            Path::new("summary.json"),
+        )))
     });
 }
 

@@ -19,6 +19,7 @@ use localizer::landmarks::{
     Landmark, LandmarkLocalizer, LandmarkMap, Noise, Shape, Start, Visibility,
 };
 use localizer::parameters::{FilterParameters, MeasurementParameters};
+use localizer::signal::waveform::transmit_period;
 use localizer::{
     DirectWave, EchoBlock, EchoSequence, Localizer, MapImage, Method, Odometry, Parameters, Pose,
 };
@@ -206,6 +207,8 @@ fn among_landmarks() {
             measurement: MeasurementParameters {
                 periods,
                 max_range_m: 3.0,
+                // A mean over time would take an echo that stays away.
+                direct_wave: DirectWave::Keep,
                 ..MeasurementParameters::default()
             },
             ..Parameters::default()
@@ -218,7 +221,12 @@ fn among_landmarks() {
         let map = landmarks(&parameters);
         let mut localizer =
             LandmarkLocalizer::new(&parameters, map, &start, Noise::default()).unwrap();
-        let samples = noise(parameters.samples_per_period());
+        // One echo, 1 m away and from the side.
+        let period = transmit_period(&parameters.signal);
+        let delay = parameters.signal.delay_of_range(1.0);
+        let samples: Vec<f32> = (0..period.len())
+            .map(|k| 0.1 * period[(k + period.len() - delay) % period.len()] as f32)
+            .collect();
         let mut step = || localizer.step(&samples, ODOMETRY).unwrap();
         for _ in 0..=periods {
             step();

@@ -293,9 +293,15 @@ mod tests {
                 lost |= filter.status() == Status::Lost;
             }
             assert!(lost, "seed {seed}: it says so");
-            again += usize::from(off(&filter, &drive.pose()) < 0.05);
+            let back = off(&filter, &drive.pose()) < 0.05;
+            again += usize::from(back);
+            assert!(
+                back || filter.status() != Status::Sure,
+                "seed {seed}: sure and wrong"
+            );
         }
-        assert!(found >= 9 && again >= 9, "{found} and {again} of 10");
+        // Four landmarks tell where it is, one in ten is hidden, and there is time for two searches.
+        assert!(found >= 9 && again >= 7, "{found} and {again} of 10");
     }
 
     #[test]

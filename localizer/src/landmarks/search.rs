@@ -8,7 +8,7 @@ use super::peaks::MOST_PEAKS;
 use crate::pose::{Pose, wrap_angle};
 
 /// Most hypotheses.
-const MOST_HYPOTHESES: usize = 1500;
+const MOST_HYPOTHESES: usize = 500;
 /// Steps of the search over all poses in metres and radians.
 const SEARCH_STEP: [f64; 2] = [0.1, TAU / 72.0];
 /// Uncertainty of what the search finds, in metres and radians.

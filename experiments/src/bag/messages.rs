@@ -7,8 +7,12 @@ use anyhow::{Context, Result, bail};
 use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-/// Longest record, in bytes.
+/// Longest record, in bytes, and how many times as long as its file it may be: chunks are compressed.
 const LONGEST: usize = 1 << 28;
+const LONGER_THAN_FILE: usize = 64;
+
+/// Longest name of a topic or type, in bytes.
+const LONGEST_NAME: usize = 250;
 
 /// A message with its topic and type.
 pub(super) struct Message<'a> {
@@ -26,27 +30,28 @@ struct Channels {
     channels: BTreeMap<u16, (String, String)>,
 }
 
-/// Topics with their types, as far as the file goes.
-pub(super) fn topics(file: &mut dyn Read) -> Result<BTreeMap<String, String>> {
+/// Topics with their types, as far as a file of a length in bytes goes.
+pub(super) fn topics((file, length): (&mut dyn Read, usize)) -> Result<BTreeMap<String, String>> {
     let mut channels = Channels::default();
-    walk(file, &mut channels, &mut |_| Ok(()))?;
+    walk((file, length), &mut channels, &mut |_| Ok(()))?;
     Ok(channels.channels.into_values().collect())
 }
 
 /// Hands on every message. What was wrong with a file that is cut off comes back.
 pub(super) fn each_message(
-    file: &mut dyn Read,
+    file: (&mut dyn Read, usize),
     each: &mut dyn FnMut(&Message<'_>) -> Result<()>,
 ) -> Result<Option<String>> {
     walk(file, &mut Channels::default(), each)
 }
 
 fn walk(
-    file: &mut dyn Read,
+    (file, length): (&mut dyn Read, usize),
     channels: &mut Channels,
     each: &mut dyn FnMut(&Message<'_>) -> Result<()>,
 ) -> Result<Option<String>> {
-    let options = LinearReaderOptions::default().with_record_length_limit(LONGEST);
+    let longest = LONGEST.min(length.saturating_mul(LONGER_THAN_FILE));
+    let options = LinearReaderOptions::default().with_record_length_limit(longest);
     let mut reader = LinearReader::new_with_options(options);
     let mut records = 0_u64;
     while let Some(event) = reader.next_event() {
@@ -152,10 +157,12 @@ fn take<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
     Some(*first)
 }
 
-/// Text with its length before it.
+/// A name with its length before it.
 fn text<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
     let length = u32::from_le_bytes(take(rest)?) as usize;
     let (first, after) = rest.split_at_checked(length)?;
     *rest = after;
-    std::str::from_utf8(first).ok()
+    let name = std::str::from_utf8(first).ok()?;
+    let is_name = name.len() <= LONGEST_NAME && !name.chars().any(char::is_control);
+    is_name.then_some(name)
 }

@@ -128,7 +128,11 @@ fn chosen(
 /// gives what it has, with a warning.
 pub fn import(bag: &Path, wanted: &Topics) -> Result<Imported> {
     let file = file_of(bag)?;
-    let open = || Ok(Box::new(File::open(&file)?) as Box<dyn Read>);
+    let open = || {
+        let opened = File::open(&file)?;
+        let length = usize::try_from(opened.metadata()?.len()).unwrap_or(usize::MAX);
+        Ok((Box::new(opened) as Box<dyn Read>, length))
+    };
     from(&open, &file, wanted)
 }
 
@@ -137,18 +141,21 @@ pub fn import(bag: &Path, wanted: &Topics) -> Result<Imported> {
 /// # Errors
 /// As [`import`].
 pub fn read(bytes: &[u8], file: &Path, wanted: &Topics) -> Result<Imported> {
-    from(&|| Ok(Box::new(bytes)), file, wanted)
+    from(&|| Ok((Box::new(bytes), bytes.len())), file, wanted)
 }
 
-/// Reads a file twice: which topics it has, then their messages.
+/// Bytes, and how many they are.
+type Opened<'a> = (Box<dyn Read + 'a>, usize);
+
+/// Reads a file, whose length comes along, twice: which topics it has, then their messages.
 fn from<'a>(
-    open: &dyn Fn() -> Result<Box<dyn Read + 'a>>,
+    open: &dyn Fn() -> Result<Opened<'a>>,
     file: &Path,
     wanted: &Topics,
 ) -> Result<Imported> {
     let of_file = || file.display().to_string();
     let all = open()
-        .and_then(|mut bytes| topics(&mut bytes))
+        .and_then(|(mut bytes, length)| topics((&mut bytes, length)))
         .with_context(of_file)?;
     let odometry = chosen(&all, wanted.odometry.as_ref(), ODOMETRY, "--odometry")?;
     let truth = chosen(&all, wanted.truth.as_ref(), TRUTH, "--truth")?;
@@ -176,8 +183,8 @@ fn from<'a>(
     };
     let mut poses = String::new();
     let (mut last, mut last_pose, mut old) = (f64::NEG_INFINITY, f64::NEG_INFINITY, 0);
-    let mut bytes = open().with_context(of_file)?;
-    let cut = each_message(&mut bytes, &mut |message: &Message<'_>| {
+    let (mut bytes, length) = open().with_context(of_file)?;
+    let cut = each_message((&mut bytes, length), &mut |message: &Message<'_>| {
         let bad = || {
             format!(
                 "{}: a message at {:.3} s does not fit its type",

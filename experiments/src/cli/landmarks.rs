@@ -158,8 +158,8 @@ pub(super) fn localize(
     Ok(())
 }
 
-/// Writes the trajectory, and a table with covariance and status beside it, on a clock that shows `reading_s` at the first
-/// period; the table's name comes back.
+/// Writes the trajectory, and a table with covariance and status beside it, on a clock that shows `reading_s` at the
+/// first period; the table's name comes back.
 pub(super) fn write(output: &Path, estimates: &[Estimate], reading_s: f64) -> Result<PathBuf> {
     let trajectory = Trajectory {
         t_s: estimates.iter().map(|e| e.t_s + reading_s).collect(),

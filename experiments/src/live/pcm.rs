@@ -142,6 +142,7 @@ fn described(content: &[u8]) -> Result<(Format, f64, usize)> {
     if channels.checked_mul(width) != Some(frame)
         || bits != 8 * width.min(8)
         || !(1..=bits).contains(&valid)
+        || (tag == 3 && valid != bits)
     {
         bail!(
             "standard input: its WAV header contradicts itself: {channels} channels, {frame} bytes for all of them, \

@@ -363,8 +363,7 @@ fn two_at_once_do_not_harm_each_other() {
     }
 }
 
-/// `track` writes nothing but lines: after a kill they are a beginning of all, whole but for the last, and nothing else is
-/// left.
+/// `track` writes nothing but lines: after a kill they are a beginning of all, and nothing else is left.
 #[test]
 fn a_killed_track_has_told_a_beginning() {
     let folder = tempfile::tempdir().unwrap();

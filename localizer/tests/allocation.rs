@@ -2,7 +2,8 @@
 //! which a robot that has to keep up with its signal cannot afford. After M + 1 steps (the first block and one more)
 //! `step` must not touch the heap: count of allocations exactly 0, with every way of removing the direct wave that
 //! can stream, with every method, and while the particles spread over more and more cells of the map. The same for the
-//! localizer among landmarks from a known start, until it is lost: a search over the map allocates. Errors may allocate.
+//! localizer among landmarks from a known start, until it is lost: a search over the map allocates. Errors may
+//! allocate.
 
 #![expect(clippy::unwrap_used, reason = "a failed test may panic")]
 #![expect(

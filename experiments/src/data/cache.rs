@@ -106,12 +106,17 @@ impl Cache {
         if !folder.is_dir() {
             return false;
         }
-        let is_whole =
-            manifest::Manifest::read(&folder).is_some_and(|known| known.is_whole(&folder));
+        let is_whole = self.is_whole(key);
         if !is_whole {
             eprintln!("{}: is damaged and made anew", folder.display());
         }
         is_whole
+    }
+
+    /// As [`Cache::has_recording`], without a word on a damaged one.
+    pub fn is_whole(&self, key: &str) -> bool {
+        let folder = self.recording(key);
+        manifest::Manifest::read(&folder).is_some_and(|known| known.is_whole(&folder))
     }
 
     /// Folder of the recording with this key.

@@ -159,10 +159,10 @@ pub fn sound(job: &Job) -> Result<Vec<f32>> {
 fn leased(job: &Job, cache: &Cache, options: RunOptions<'_>, board: &Board) -> Result<bool> {
     let Asked::Held(lease) = cache.lease(&job.key)? else {
         // It may have ended since, or be dead soon.
-        return Ok(cache.recording(&job.key).is_dir() && cache.has_recording(&job.key));
+        return Ok(cache.is_whole(&job.key));
     };
     // Another worker may have been quicker between our look into the cache and now.
-    if !cache.recording(&job.key).is_dir() || !cache.has_recording(&job.key) {
+    if !cache.is_whole(&job.key) {
         simulate(job, cache, options, board)?;
     }
     drop(lease);

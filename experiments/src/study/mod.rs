@@ -254,6 +254,19 @@ fn methods_of(file: &StudyFile) -> Vec<MethodName> {
 
 /// Refuses seeds of what nothing draws.
 fn check_seeds(file: &StudyFile, cells: &[Cell]) -> Result<()> {
+    let seeds = file.seeds;
+    for (name, count) in [
+        ("slip", seeds.slip),
+        ("noise", seeds.noise),
+        ("filter", seeds.filter),
+    ] {
+        if !(1..=cells::MOST_SEEDS).contains(&count) {
+            bail!(
+                "seeds.{name}: {count} is out of range; give 1 to {}",
+                cells::MOST_SEEDS
+            );
+        }
+    }
     if file.seeds.slip > 1 && file.robot.is_none() {
         bail!("seeds.slip: there is no robot whose wheels slip; name a robot file or leave it out");
     }

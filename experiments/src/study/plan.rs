@@ -110,7 +110,7 @@ impl Plan {
         };
         let first = cell.sources.first().context("scenes: there are none")?;
         let has_noise = resolve(first, 0)?.snr_db.is_some();
-        let [layouts, slips, noises, filters] = draws(&study.file, cell, name, has_noise)?;
+        let [layouts, slips, noises, filters] = draws(&study.file, cell, name, has_noise);
         if self
             .trials
             .len()

@@ -7,8 +7,8 @@ use super::landmark::Prediction;
 use super::map::Landmark;
 use super::peaks::Peak;
 
-/// Probability up to which a peak is held to come from its landmark: what gives echoes and is no landmark stays in place,
-/// too.
+/// Probability up to which a peak is held to come from its landmark: what gives echoes and is no landmark stays in
+/// place, too.
 const MOST_PROBABLE: f64 = 0.98;
 
 /// What a hypothesis expects of a landmark's echo.

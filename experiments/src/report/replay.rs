@@ -50,7 +50,7 @@ pub(super) fn read(data: &Path) -> Result<Option<Replay>> {
         .iter()
         .map(|method| track(&table, method))
         .collect::<Result<Vec<_>>>()?;
-    Ok((tracks.len() > 1).then(|| Replay {
+    Ok((tracks.len() > 1).then_some(Replay {
         name: layout.name,
         size_m: layout.size_m,
         walls: layout.walls,

@@ -128,6 +128,17 @@ pub enum Verdict {
     NotTestable,
 }
 
+impl Verdict {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Fails => "DOES NOT HOLD",
+            Self::NotTestable => "cannot be tested",
+        }
+    }
+}
+
 /// A claim beside what came out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Judged {

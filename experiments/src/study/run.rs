@@ -9,8 +9,9 @@ use anyhow::Result;
 use super::claims::Trials;
 use super::plan::Plan;
 use super::scores::{self, Row};
-use super::summary::{CellScores, StudySummary};
+use super::summary::{CellScores, StudySummary, markdown};
 use super::{FigureChoice, Study, tasks};
+use crate::data::atomic;
 use crate::data::layout::Layout;
 use crate::data::table::{Table, cell};
 use crate::metrics::quantile;
@@ -88,6 +89,7 @@ pub fn gather(
         claims: claims.collect(),
     };
     summary.write(&results.join("summary.json"))?;
+    atomic::write(&results.join("report.md"), markdown(&summary).as_bytes())?;
     Ok(summary)
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Study;
 use super::cells::{DRAWN, Draw};
-use super::claims::{Judged, Verdict};
+use super::claims::Judged;
 use super::file::{MethodName, StudyFile};
 use super::interval::mean_and_interval;
 use super::scores::{Measure, Row};
@@ -140,6 +140,64 @@ impl StudySummary {
     }
 }
 
+/// The claims and scores of a summary as Markdown: `report.md`.
+pub(super) fn markdown(summary: &StudySummary) -> String {
+    let cell = |text: &str| text.replace('|', "\\|");
+    let study = &summary.study;
+    let mut text = format!(
+        "# {}\n\n{}\n\nWritten by `echolot run` (revision {}); do not edit.\n",
+        study.name, study.about, summary.provenance.commit
+    );
+    if !summary.claims.is_empty() {
+        text.push_str(
+            "\n| claim | claimed | ours [95 % interval] | verdict |\n|---|---|---|---|\n",
+        );
+    }
+    for (claim, judged) in study.claims.iter().zip(&summary.claims) {
+        let interval = judged.interval.map_or(String::new(), |[low, high]| {
+            format!(" [{low:.3}, {high:.3}]")
+        });
+        text.push_str(&format!(
+            "| {} | {} | {}{interval} | {} |\n",
+            cell(&claim.claim),
+            cell(claim.claimed.as_deref().unwrap_or("")),
+            cell(&judged.ours),
+            judged.verdict.name().to_lowercase(),
+        ));
+    }
+    text.push_str(
+        "\n| cell | method | MAE [m] | 95 % interval | 90 % below | worst trial | newest pose | trials | \
+         interval over |\n|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for scores in &summary.cells {
+        let number =
+            |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.4}"));
+        let mean = |name: &str| number(scores.mean.get(name).copied());
+        let interval = scores
+            .interval
+            .get("mae_m")
+            .map_or(String::new(), |[low, high]| {
+                format!("{low:.4} to {high:.4}")
+            });
+        let failed = match scores.failed {
+            0 => String::new(),
+            failed => format!(", {failed} failed"),
+        };
+        text.push_str(&format!(
+            "| {} | {} | {} | {interval} | {} | {} | {} | {}{failed} | {} |\n",
+            cell(&scores.cell),
+            scores.method.name(),
+            mean("mae_m"),
+            mean("p90_m"),
+            number(scores.worst_mae_m),
+            mean("latest_mae_m"),
+            scores.trials,
+            scores.over(),
+        ));
+    }
+    text
+}
+
 /// The scores and claims of a summary as text.
 pub fn table(summary: &StudySummary) -> String {
     let mut rows = vec![
@@ -181,11 +239,7 @@ pub fn table(summary: &StudySummary) -> String {
     }
     let mut text = aligned(&rows);
     for (claim, judged) in summary.study.claims.iter().zip(&summary.claims) {
-        let verdict = match judged.verdict {
-            Verdict::Holds => "holds",
-            Verdict::Fails => "DOES NOT HOLD",
-            Verdict::NotTestable => "cannot be tested",
-        };
+        let verdict = judged.verdict.name();
         let interval = judged.interval.map_or(String::new(), |[low, high]| {
             format!(" [{low:.3} to {high:.3}]")
         });

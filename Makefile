@@ -2,7 +2,7 @@
 
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
-.PHONY: help sim-experiments sim-quick figures picture claims reference validate test check fuzz robustness bench bless
+.PHONY: help sim-experiments sim-quick sim-ensemble figures picture claims reference validate test check fuzz robustness bench bless
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -12,6 +12,9 @@ sim-experiments: ## simulate and reproduce the paper's studies in the paper's si
 
 sim-quick: ## the same chain in a small scene (results/quick)
 	$(ECHOLOT) run --preset quick
+
+sim-ensemble: ## in what share of 100 random layouts the claims hold, by image sources (results/ensemble)
+	$(ECHOLOT) run studies/papers/ensemble.json
 
 figures: ## redraw all figures from the data files, without computing anything
 	@for preset in paper quick; do \

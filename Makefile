@@ -49,7 +49,7 @@ robustness: ## wrong inputs, mutated files, kills, full disks, flipped bits in f
 	@rm -f target/tried.jsonl
 	ECHOLOT_TRIED=$(CURDIR)/target/tried.jsonl $(MAKE) fuzz
 	ECHOLOT_TRIED=$(CURDIR)/target/tried.jsonl ECHOLOT_MOMENTS=$(or $(MOMENTS),100) \
-		cargo test --release -p experiments --test echolot -- --nocapture faults inputs files trust
+		cargo test --release -p experiments --test echolot -- --nocapture faults inputs files trust code studies
 	$(ECHOLOT) robustness target/tried.jsonl -o docs/validation/robustness.md
 
 bench: ## benchmarks and the speed of the engines (results/bench); BENCH="--measurement-time 1" is quicker

@@ -17,9 +17,7 @@ use crate::figures::localization::{Background, Localization};
 use crate::metrics::{mean, rounded};
 use crate::run::progress::Board;
 use crate::scores::Scores;
-
-/// Standard deviations of a start that truth or the user gives, in metres and radians.
-pub(super) const START_SIGMA: [f64; 2] = [0.01, 0.02];
+pub(super) use crate::trials::drives::START_SIGMA;
 
 /// Learns the landmarks of drives with their poses and writes them into the folder of a map.
 pub(super) fn map(drives: &[(EchoSequence, Vec<Pose>)], output: &Path, json: bool) -> Result<()> {

@@ -136,18 +136,6 @@ fn claims(summary: &StudySummary) -> Markup {
     }
 }
 
-/// What tells a cell from the others, in words.
-fn in_words(cell: &CellScores) -> String {
-    let parts = cell
-        .labels
-        .iter()
-        .map(|(name, value)| cells::in_words(name, value));
-    match cell.labels.is_empty() {
-        true => "all".to_string(),
-        false => parts.collect::<Vec<_>>().join(", "),
-    }
-}
-
 /// The scores of all cells and methods.
 fn scores(summary: &StudySummary, trials: &str) -> Markup {
     let number = |cell: &CellScores, name: &str| {
@@ -165,7 +153,7 @@ fn scores(summary: &StudySummary, trials: &str) -> Markup {
                 }
                 @for cell in &summary.cells {
                     tr {
-                        td { (in_words(cell)) }
+                        td { @if cell.labels.is_empty() { "all" } @else { (cells::all_in_words(&cell.labels)) } }
                         td { (cell.method.name()) }
                         td class="number" { a href=(trials) { (number(cell, "mae_m")) } }
                         td class="number" {

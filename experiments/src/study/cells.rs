@@ -109,6 +109,14 @@ pub fn in_words(name: &str, value: &str) -> String {
     }
 }
 
+/// Names and values in words, behind each other.
+pub fn all_in_words<'a>(labels: impl IntoIterator<Item = (&'a String, &'a String)>) -> String {
+    let parts = labels
+        .into_iter()
+        .map(|(name, value)| in_words(name, value));
+    parts.collect::<Vec<_>>().join(", ")
+}
+
 impl Values {
     /// The values one by one.
     fn list(&self) -> Result<Vec<Value>> {

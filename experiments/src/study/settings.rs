@@ -273,9 +273,10 @@ impl Resolver {
         }
         let image_order = image_order.unwrap_or(u64::from(IMAGE_ORDER)) as usize;
         let identity = format!(
-            "{scene_text} {} {engine:?} {image_order} {odometry_bias_radps} {:?}",
+            "{scene_text} {} {engine:?} {image_order} {odometry_bias_radps} {:?} {}",
             serde_json::to_string(&robot)?,
             parameters.measurement.direct_wave,
+            parameters.samples_per_period(),
         );
         let prefix = match source {
             Source::File(_) => format!("{} ", scene.name),

@@ -4,19 +4,14 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 
-use super::{cell_in_words, number};
-use crate::figures::drawing::axes::Axes;
+use super::number;
+use super::rows::{self, Row};
 use crate::figures::drawing::axis::Axis;
-use crate::figures::drawing::canvas::{self, LABEL};
-use crate::figures::drawing::stroke::{Marker, Stroke};
 use crate::figures::drawing::style::method_style;
 use crate::study::StudySummary;
+use crate::study::cells::all_in_words;
 use crate::study::scores::Measure;
 
-/// Most rows of one picture.
-const MOST: usize = 60;
-/// Height of a row in pixels.
-const ROW: f64 = 46.0;
 /// Least ratio of largest to least mean from which on the axis is logarithmic.
 const WIDE: f64 = 20.0;
 
@@ -39,7 +34,7 @@ pub(super) fn draw(summary: &StudySummary, measure: Measure, picture: &Path) -> 
             let (_, method) = method_style(cell.method.name());
             let name = match single {
                 true => method.to_string(),
-                false => format!("{}: {method}", cell_in_words(cell)),
+                false => format!("{}: {method}", all_in_words(&cell.labels)),
             };
             Some((name, cell.method.name(), mean, interval))
         })
@@ -51,8 +46,8 @@ pub(super) fn draw(summary: &StudySummary, measure: Measure, picture: &Path) -> 
         );
     };
     let title = format!("Least: {}{}: {}", number(best.2), measure.unit(), best.0);
-    let left_out = rows.len().saturating_sub(MOST);
-    let shown = &rows[..rows.len().min(MOST)];
+    let left_out = rows.len().saturating_sub(rows::MOST);
+    let shown = &rows[..rows.len().min(rows::MOST)];
     let high = shown.iter().map(|row| row.3[1]).fold(0.0, f64::max);
     let low = shown
         .iter()
@@ -64,47 +59,22 @@ pub(super) fn draw(summary: &StudySummary, measure: Measure, picture: &Path) -> 
         true => Axis::logarithmic(0.8 * low, 1.25 * high, measure.title()),
         false => Axis::new(0.0, 1.06 * high.max(1e-9), measure.title()),
     };
-    let height = 320.0 + ROW * shown.len() as f64;
-    canvas::draw(picture, 1800, height as u32, |sheet| {
-        sheet.title(&title)?;
-        let widest = shown
-            .iter()
-            .map(|row| sheet.text_size(&row.0, LABEL - 4.0, false)[0])
-            .fold(0.0, f64::max);
-        let left = (widest + 60.0).min(1100.0);
-        let count = shown.len() as f64;
-        let axes = Axes::new(
-            sheet,
-            [left, 150.0, 1750.0, 150.0 + ROW * count],
-            x,
-            Axis::new(0.0, count, ""),
-        );
-        axes.grid_upright()?;
-        for (index, (name, method, mean, [low, high])) in shown.iter().enumerate() {
-            let (style, _) = method_style(method);
-            let stroke = Stroke::solid(style.colour, 5.0);
-            let y = count - 0.5 - index as f64;
-            let [_, across] = axes.pixel(axes.x.low, y);
-            sheet.text(
-                name,
-                [left - 16.0, across],
-                (-1, 0),
-                LABEL - 4.0,
-                false,
-                false,
-            )?;
-            axes.curve(&[(along(*low), y), (along(*high), y)], stroke)?;
-            axes.markers(&[(along(*mean), y)], Marker::Disc, 18.0, style.colour)?;
-        }
-        let over = summary
-            .cells
-            .first()
-            .map_or(String::new(), |cell| cell.over());
-        let note = if left_out > 0 {
-            format!("; {left_out} rows left out")
-        } else {
-            String::new()
-        };
-        axes.finish_upright(&format!("mean and 95 % interval over {over}{note}"))
-    })
+    let over = summary
+        .cells
+        .first()
+        .map_or(String::new(), |cell| cell.over());
+    let note = match left_out {
+        0 => format!("mean and 95 % interval over {over}"),
+        _ => format!("mean and 95 % interval over {over}; {left_out} rows left out"),
+    };
+    let shown: Vec<Row> = shown
+        .iter()
+        .map(|(name, method, mean, interval)| Row {
+            name: name.clone(),
+            mean: along(*mean),
+            interval: interval.map(along),
+            colour: method_style(method).0.colour,
+        })
+        .collect();
+    rows::draw(&shown, x, false, [&title, &note], picture)
 }

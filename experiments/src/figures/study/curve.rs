@@ -9,7 +9,7 @@ use crate::figures::drawing::axes::Axes;
 use crate::figures::drawing::axis::Axis;
 use crate::figures::drawing::canvas;
 use crate::figures::drawing::legend::{Entry, legend};
-use crate::study::cells::{in_words, words};
+use crate::study::cells::{all_in_words, in_words, words};
 use crate::study::file::MethodName;
 use crate::study::scores::Measure;
 use crate::study::{CellScores, StudySummary};
@@ -22,13 +22,7 @@ type Points = Vec<(f64, f64, [f64; 2])>;
 
 /// Name of a cell without what is on the axis.
 fn rest(cell: &CellScores, over: &str) -> String {
-    let parts: Vec<String> = cell
-        .labels
-        .iter()
-        .filter(|(name, _)| *name != over)
-        .map(|(name, value)| in_words(name, value))
-        .collect();
-    parts.join(", ")
+    all_in_words(cell.labels.iter().filter(|(name, _)| *name != over))
 }
 
 /// The lines of a figure.

@@ -12,7 +12,7 @@ use crate::figures::drawing::canvas;
 use crate::figures::drawing::legend::{Entry, legend};
 use crate::metrics::quantile;
 use crate::study::Study;
-use crate::study::cells::in_words;
+use crate::study::cells::all_in_words;
 
 /// Draws the figure.
 ///
@@ -43,11 +43,7 @@ pub(super) fn draw(study: &Study, data: &Path, picture: &Path) -> Result<()> {
             continue;
         }
         for cell in &study.cells {
-            let parts = cell
-                .labels
-                .iter()
-                .map(|(name, value)| in_words(name, value));
-            let label = parts.collect::<Vec<_>>().join(", ");
+            let label = all_in_words(cell.labels.iter().map(|(name, value)| (name, value)));
             add(label, &rows.only("cell", &cell.name().replace(',', " "))?)?;
         }
     }

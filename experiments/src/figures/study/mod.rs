@@ -5,6 +5,7 @@ mod curve;
 mod differences;
 mod distribution;
 mod paths;
+mod rows;
 
 use std::path::{Path, PathBuf};
 
@@ -14,9 +15,9 @@ use plotters::style::RGBColor;
 use super::drawing::colour;
 use super::drawing::stroke::{Marker, Stroke};
 use super::drawing::style::method_style;
-use crate::study::cells::{in_words, short};
+use crate::study::cells::short;
 use crate::study::file::{FigureChoice, MethodName};
-use crate::study::{CellScores, Study, StudySummary};
+use crate::study::{Study, StudySummary};
 
 pub(crate) use self::differences::draw as draw_differences;
 
@@ -83,15 +84,6 @@ fn number(value: f64) -> String {
         size if size >= 0.02 => format!("{value:.3}"),
         _ => format!("{value:.4}"),
     }
-}
-
-/// What tells a cell from the others, in words.
-fn cell_in_words(cell: &CellScores) -> String {
-    let parts = cell
-        .labels
-        .iter()
-        .map(|(name, value)| in_words(name, value));
-    parts.collect::<Vec<_>>().join(", ")
 }
 
 /// Draws the figures of a study from its folder of results.

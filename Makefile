@@ -2,7 +2,8 @@
 
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
-.PHONY: help sim-experiments sim-quick sim-ensemble figures picture claims reference validate test check fuzz robustness bench bless
+.PHONY: help sim-experiments sim-quick sim-ensemble figures picture claims reference validate test check fuzz robustness \
+	bench bless python python-test
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -35,12 +36,12 @@ reference: ## the command line as a page of the documents (docs/reference/comman
 	$(ECHOLOT) reference -o docs/reference/command-line.md
 
 test: ## all tests
-	cargo test --release --workspace
+	cargo test --release
 
 check: ## formatting, lints, tests
 	cargo fmt --all --check
-	cargo clippy --release --workspace --all-targets -- -D warnings
-	cargo test --release --workspace
+	cargo clippy --release --all-targets -- -D warnings
+	cargo test --release
 
 fuzz: ## mutated files for every parser, INPUTS=1000000 each
 	BOLERO_RANDOM_ITERATIONS=$(or $(INPUTS),1000000) cargo test --release -p fuzz -- --nocapture
@@ -53,8 +54,21 @@ robustness: ## wrong inputs, mutated files, kills, full disks, flipped bits in f
 	$(ECHOLOT) robustness target/tried.jsonl -o docs/validation/robustness.md
 
 bench: ## benchmarks and the speed of the engines (results/bench); BENCH="--measurement-time 1" is quicker
-	cargo bench --workspace -- $(BENCH)
+	cargo bench -- $(BENCH)
 	$(ECHOLOT) bench
 
 bless: ## make the present quick results the baseline of the regression gate
 	$(ECHOLOT) check --preset quick --bless
+
+PYTHON = target/python/bin/python
+
+$(PYTHON):
+	python3 -m venv target/python
+
+python: $(PYTHON) ## the Python package, in a virtual environment (target/python)
+	$(PYTHON) -m pip install --quiet './python[plot]'
+
+python-test: $(PYTHON) ## its tests, examples, notebooks, lints and types
+	cargo clippy --release -p echolot-python -- -D warnings
+	$(PYTHON) -m pip install --quiet './python[test]'
+	cd python && ../$(PYTHON) -m pytest

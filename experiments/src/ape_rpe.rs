@@ -4,9 +4,9 @@
 
 use localizer::Pose;
 
-/// Root mean square distance of positions from the true ones after the rigid motion that makes it least, metres:
-/// `evo_ape tum truth.tum est.tum --align`. `NaN` without poses.
-pub fn aligned_rmse_m(poses: &[Pose], truth: &[Pose]) -> f64 {
+/// Distances in metres of positions from the true ones after the rigid motion that makes their root mean square least:
+/// `evo_ape tum truth.tum est.tum --align`.
+pub fn aligned_errors_m(poses: &[Pose], truth: &[Pose]) -> Vec<f64> {
     let count = poses.len().min(truth.len()) as f64;
     let centre = |poses: &[Pose]| {
         let sum = poses
@@ -31,26 +31,38 @@ pub fn aligned_rmse_m(poses: &[Pose], truth: &[Pose]) -> f64 {
         (dot + x * u + y * v, cross + x * v - y * u)
     });
     let (sin, cos) = f64::atan2(cross, dot).sin_cos();
-    let squares: f64 = pairs
+    pairs
         .iter()
-        .map(|[x, y, u, v]| (cos * x - sin * y - u).powi(2) + (sin * x + cos * y - v).powi(2))
-        .sum();
-    (squares / count).sqrt()
+        .map(|[x, y, u, v]| (cos * x - sin * y - u).hypot(sin * x + cos * y - v))
+        .collect()
 }
 
-/// Root mean square error of the way from each pose to the next, seen from the pose, metres: `evo_rpe tum truth.tum
-/// est.tum`. `NaN` with fewer than two poses.
-pub fn relative_rmse_m(poses: &[Pose], truth: &[Pose]) -> f64 {
-    let squares: Vec<f64> = poses
+/// Errors in metres of the way from each pose to the next, seen from the pose: `evo_rpe tum truth.tum est.tum`.
+pub fn relative_errors_m(poses: &[Pose], truth: &[Pose]) -> Vec<f64> {
+    poses
         .windows(2)
         .zip(truth.windows(2))
         .map(|(ours, truth)| {
             let [x, y] = way(&ours[0], &ours[1]);
             let [u, v] = way(&truth[0], &truth[1]);
-            (x - u).powi(2) + (y - v).powi(2)
+            (x - u).hypot(y - v)
         })
-        .collect();
-    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+        .collect()
+}
+
+/// Root mean square of [`aligned_errors_m`]; `NaN` without poses.
+pub fn aligned_rmse_m(poses: &[Pose], truth: &[Pose]) -> f64 {
+    root_mean_square(&aligned_errors_m(poses, truth))
+}
+
+/// Root mean square of [`relative_errors_m`]; `NaN` with fewer than two poses.
+pub fn relative_rmse_m(poses: &[Pose], truth: &[Pose]) -> f64 {
+    root_mean_square(&relative_errors_m(poses, truth))
+}
+
+fn root_mean_square(errors: &[f64]) -> f64 {
+    let sum: f64 = errors.iter().map(|error| error * error).sum();
+    (sum / errors.len() as f64).sqrt()
 }
 
 /// The place of one pose as seen from another.

@@ -7,9 +7,12 @@ pub mod bench;
 pub mod check;
 pub mod cli;
 pub mod data;
+pub mod drive;
 pub mod figures;
 pub mod inspection;
 pub mod live;
+pub mod localization;
+pub mod mapping;
 pub mod metrics;
 pub mod papers;
 pub mod recordings;
@@ -20,7 +23,9 @@ pub mod scores;
 pub mod session;
 pub mod study;
 pub mod summary;
+pub mod transmission;
 pub mod trials;
+pub mod trust;
 pub mod validate;
 
 /// The Rust examples of the project's README, compiled as documentation tests.

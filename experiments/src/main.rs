@@ -6,6 +6,7 @@ use clap::Parser;
 use experiments::check::CheckFailed;
 use experiments::cli::Cli;
 use experiments::run::interrupt::{self, Interrupted};
+use experiments::run::one_line;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -22,22 +23,4 @@ fn main() -> ExitCode {
     };
     eprintln!("error: {}", one_line(&error));
     ExitCode::from(code)
-}
-
-/// The causes of an error in one line, without those that the cause before contains.
-fn one_line(error: &anyhow::Error) -> String {
-    let mut text = String::new();
-    for cause in error.chain() {
-        let cause = cause
-            .to_string()
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ");
-        if text.is_empty() {
-            text = cause;
-        } else if !text.contains(&cause) {
-            text = format!("{text}: {cause}");
-        }
-    }
-    text
 }

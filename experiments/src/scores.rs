@@ -29,10 +29,7 @@ pub struct Scores {
 impl Scores {
     /// Scores of estimates by time, and the share of them that the truth covers; no scores when it covers none.
     pub fn of(estimates: &[(f64, Pose)], truth: &Trajectory) -> (Option<Self>, f64) {
-        let covered: Vec<(Pose, Pose)> = estimates
-            .iter()
-            .filter_map(|&(t_s, pose)| Some((pose, true_pose(truth, t_s)?)))
-            .collect();
+        let covered = associated(estimates, truth);
         let coverage = covered.len() as f64 / estimates.len().max(1) as f64;
         let errors_m: Vec<f64> = covered
             .iter()
@@ -53,6 +50,15 @@ impl Scores {
         });
         (scores, rounded(coverage))
     }
+}
+
+/// Estimates that the truth covers, each with the true pose of its time: the nearest one within 10 ms, as `evo_ape`
+/// takes it, or one between two.
+pub fn associated(estimates: &[(f64, Pose)], truth: &Trajectory) -> Vec<(Pose, Pose)> {
+    estimates
+        .iter()
+        .filter_map(|&(t_s, pose)| Some((pose, true_pose(truth, t_s)?)))
+        .collect()
 }
 
 /// The true pose nearest in time, as `evo_ape` takes it; between true poses where these lie further apart. None where

@@ -10,8 +10,9 @@ use localizer::{Estimate, Method, Parameters, Trajectory};
 use serde_json::Value;
 
 use super::output::print;
-use super::trust::Warnings;
+use crate::localization::status;
 use crate::scores::Scores;
+use crate::trust::Warnings;
 
 /// Clock of the times of estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -57,15 +58,6 @@ pub(super) fn trajectory(estimates: &[Estimate], reading_s: f64) -> Trajectory {
 /// First line of a table of estimates.
 pub(super) const HEADER: &str = "t_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_mrad,yh_mrad,hh_rad2,status,\
     effective_sample_size,latest_s,latest_x_m,latest_y_m,latest_heading_rad,fit,trust\n";
-
-/// What an estimate rests on.
-pub(super) fn status(estimate: &Estimate, by_wheels: bool) -> &'static str {
-    match (by_wheels, estimate.stationary) {
-        (true, _) => "wheels",
-        (false, true) => "slow",
-        (false, false) => "echoes",
-    }
-}
 
 /// Whether bytes are a file of [`table`].
 pub(super) fn is_table(bytes: &[u8]) -> bool {

@@ -2,30 +2,25 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result};
 use localizer::filter::motion_model::dead_reckon;
-use localizer::landmarks::{self, Estimate, LandmarkMap, Noise, Start, Status};
-use localizer::quality::{self, CodeMeter};
-use localizer::{EchoSequence, Parameters, Pose, Recording, Trajectory, echo};
+use localizer::landmarks::{Estimate, LandmarkMap, Start, Status};
+use localizer::{Parameters, Pose, Recording, Trajectory};
 
 use super::estimates::Scored;
 use super::output::{print, print_json};
-use super::trust::{self, Warnings};
 use crate::data::{atomic, estimate, manifest};
+use crate::drive::Drive;
 use crate::figures;
 use crate::figures::localization::{Background, Localization};
+use crate::localization::{self, status_name};
 use crate::metrics::{mean, rounded};
 use crate::run::progress::Board;
 use crate::scores::Scores;
-pub(super) use crate::trials::drives::START_SIGMA;
+use crate::trust::{self, Warnings};
 
-/// Learns the landmarks of drives with their poses and writes them into the folder of a map.
-pub(super) fn map(drives: &[(EchoSequence, Vec<Pose>)], output: &Path, json: bool) -> Result<()> {
-    let parts: Vec<(&EchoSequence, &[Pose])> = drives
-        .iter()
-        .map(|(sequence, poses)| (sequence, poses.as_slice()))
-        .collect();
-    let map = landmarks::learn(&parts)?;
+/// Writes a map of landmarks into its folder.
+pub(super) fn write_map(map: &LandmarkMap, output: &Path, json: bool) -> Result<()> {
     manifest::put_into(output, |folder| Ok(map.write(folder)?))?;
     let walls = map
         .landmarks
@@ -73,23 +68,13 @@ pub(super) fn localize(
     wanted: &Wanted<'_>,
 ) -> Result<()> {
     let (output, json) = (wanted.output, wanted.json);
-    let task = Board::new().task("localize", 2);
-    let echoes = echo::measure(recording, parameters)?;
+    let task = Board::new().task("localize", 1);
     let mut warnings = Warnings::default();
     warnings.extend(trust::changed(folder));
-    quality::check_signal(&recording.signal, &folder.display().to_string())?;
-    trust::check_echoes(
-        &recording.meta,
-        &CodeMeter::of(&echoes),
-        folder,
-        &mut warnings,
-    )?;
-    task.set(1);
-    let estimates = landmarks::localize(&echoes, map, start, Noise::default());
+    let drive = Drive::loaded(recording, folder);
+    let estimates = localization::among_landmarks(&drive, map, parameters, start, &mut warnings)?;
     task.finish();
-    let Some(last) = estimates.last() else {
-        bail!("the robot does not move fast enough for a pose; record it driving");
-    };
+    let last = estimates.last().context("no estimate")?;
     let trajectory = Trajectory {
         t_s: estimates.iter().map(|estimate| estimate.t_s).collect(),
         poses: estimates.iter().map(|estimate| estimate.pose).collect(),
@@ -212,11 +197,7 @@ fn csv(estimates: &[Estimate], reading_s: f64) -> String {
     );
     for e in estimates {
         let [[xx, xy, xh], [_, yy, yh], [.., hh]] = e.covariance;
-        let status = match e.status {
-            Status::Sure => "sure",
-            Status::Converging => "converging",
-            Status::Lost => "lost",
-        };
+        let status = status_name(e.status);
         text += &format!(
             "{:.6},{:.6},{:.6},{:.6},{xx:.3e},{xy:.3e},{yy:.3e},{xh:.3e},{yh:.3e},{hh:.3e},{status},{:.3},{},{:.6},\
              {:.6},{:.6},{:.6},{:.5},{:.5},{:.3}\n",

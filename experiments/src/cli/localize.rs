@@ -9,7 +9,6 @@ use localizer::io::recording_source::RecordingSource;
 use localizer::landmarks::{LandmarkMap, Start};
 use localizer::odometry::mean_over_time;
 use localizer::pose::wrap_angle;
-use localizer::quality::{CodeMeter, Fit, FitMeter};
 use localizer::{Estimate, MapImage, Method, Parameters, Pose, Trajectory, offline};
 
 use super::alignment::AlignmentArguments;
@@ -17,16 +16,18 @@ use super::arguments::{ForceArgument, ParameterArguments, files_of_map, files_of
 use super::estimates::{self, Clock, Scored};
 use super::landmarks;
 use super::output::{print, print_json};
-use super::trust::{self, Warnings};
 use crate::data::atomic;
 use crate::data::estimate;
 use crate::data::place::Place;
+use crate::drive::Drive;
 use crate::figures;
 use crate::figures::drawing::png;
 use crate::figures::localization::{Background, Localization};
+use crate::localization::{self, ByImages, START_SIGMA};
 use crate::metrics::{quantile, rounded};
 use crate::run::progress::Board;
 use crate::scores::Scores;
+use crate::trust::{self, Warnings};
 
 /// Method of localization.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -180,7 +181,7 @@ impl Arguments {
         .for_recording(&recording.meta);
         parameters.measurement.periods = self.periods.unwrap_or(parameters.measurement.periods);
         parameters.check()?;
-        let [sigma_m, sigma_rad] = self.start_sigma.unwrap_or(landmarks::START_SIGMA);
+        let [sigma_m, sigma_rad] = self.start_sigma.unwrap_or(START_SIGMA);
         let known = |pose| Start::Known {
             pose,
             sigma_m,
@@ -271,14 +272,15 @@ impl Arguments {
             None => source.start_pose(),
         };
         let map = MapImage::read(&self.map)?;
-        let parameters = self.of_images(&map, &source, method)?;
-        source.check_signal()?;
+        let drive = Drive::of_folder(&source, &self.recording);
+        let parameters = self.of_images(&map, &drive, method)?;
         let mut warnings = self.words(&source, &map, &parameters);
         let task = Board::new().task("localize", 1);
-        let mut code = CodeMeter::new(&parameters);
-        let (estimates, fits) =
-            localize(&source, &map, &parameters, (start, self.seed), &mut code)?;
-        let code = trust::check_echoes(&source.meta, &code, &self.recording, &mut warnings)?;
+        let ByImages {
+            estimates,
+            fits,
+            code,
+        } = localization::by_images(&drive, &map, &parameters, (start, self.seed), &mut warnings)?;
         task.finish();
         let table = self.output.with_extension("csv");
         let clock = self.clock.unwrap_or_else(|| Clock::usual(&source));
@@ -382,18 +384,12 @@ impl Arguments {
     }
 
     /// Parameters of a localization by echo images.
-    fn of_images(
-        &self,
-        map: &MapImage,
-        source: &RecordingSource,
-        method: Method,
-    ) -> Result<Parameters> {
-        let mut parameters = match self.parameters.parameters {
-            Some(_) => self.parameters.read()?,
-            None => map.parameters.clone(),
-        }
-        .for_recording(&source.meta);
-        parameters.filter.method = method;
+    fn of_images(&self, map: &MapImage, drive: &Drive<'_>, method: Method) -> Result<Parameters> {
+        let base = match self.parameters.parameters {
+            Some(_) => Some(self.parameters.read()?),
+            None => None,
+        };
+        let mut parameters = localization::image_parameters(base.as_ref(), map, drive, method);
         parameters.measurement.periods = self.periods.unwrap_or(parameters.measurement.periods);
         parameters.filter.window_half_width_m =
             self.window.unwrap_or(parameters.filter.window_half_width_m);
@@ -405,26 +401,4 @@ impl Arguments {
         parameters.check()?;
         Ok(parameters)
     }
-}
-
-/// Estimates of a drive by echo images and how well each fits, block by block, so that memory does not grow with the
-/// drive; `code` counts along.
-fn localize(
-    source: &RecordingSource,
-    map: &MapImage,
-    parameters: &Parameters,
-    (start, seed): (Pose, u64),
-    code: &mut CodeMeter,
-) -> Result<(Vec<Estimate>, Vec<Fit>)> {
-    let mut tracker = offline::tracker(parameters, map, parameters, start, seed)?;
-    let mut meter = FitMeter::new(parameters, map);
-    let mut estimates = Vec::new();
-    source.measure_each(parameters, &mut |block, recent| {
-        let estimate = tracker.update(block, recent, map);
-        code.add(block);
-        meter.add(block, &estimate);
-        estimates.push(estimate);
-        Ok(true)
-    })?;
-    Ok((estimates, meter.finish()))
 }

@@ -1,31 +1,22 @@
 //! `echolot map`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::ValueEnum;
-use localizer::image::map_builder::MapBuilder;
-use localizer::parameters::SignalParameters;
-use localizer::quality::CodeMeter;
-use localizer::{EchoSequence, Parameters, Pose, echo, landmarks};
+use localizer::landmarks;
 
 use super::alignment::AlignmentArguments;
 use super::arguments::{ForceArgument, ParameterArguments, files_of_recording};
 use super::output::print_json;
-use super::trust::{self, Cover, Warnings};
 use crate::data::manifest;
 use crate::data::place::Place;
+use crate::drive::Drive;
+use crate::mapping::{Map, MapKind, Mapping};
 use crate::metrics::rounded;
 use crate::run::interrupt;
 use crate::run::progress::Board;
-
-/// Names of the files of a map of landmarks.
-pub(super) const LANDMARK_FILES: &[&str] = &[
-    "landmarks.json",
-    "landmarks.geojson",
-    "landmarks.pgm",
-    "landmarks.yaml",
-];
+use crate::trust::{self, Warnings};
 
 /// Kind of map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -65,11 +56,10 @@ pub(crate) struct Arguments {
 }
 
 impl MethodArgument {
-    /// Names of the files of such a map.
-    fn files(self) -> &'static [&'static str] {
+    fn kind(self) -> MapKind {
         match self {
-            Self::Images => &["map.json", "map.npy", "map_toa.npy", "map.pgm", "map.yaml"],
-            Self::Landmarks => LANDMARK_FILES,
+            Self::Images => MapKind::Images,
+            Self::Landmarks => MapKind::Landmarks,
         }
     }
 }
@@ -89,7 +79,7 @@ impl Arguments {
             bytes: 1 << 20,
             ..Place::of(&self.output, self.force.force)
         };
-        place.files_in_folder(self.method.files())
+        place.files_in_folder(self.method.kind().files())
     }
 
     /// Runs the command.
@@ -103,60 +93,24 @@ impl Arguments {
         parameters.measurement.periods = self.periods.unwrap_or(usual);
         let board = Board::new();
         let task = board.task("map", self.recordings.len() as u64);
-        let mut drives: Vec<(EchoSequence, Vec<Pose>)> = Vec::new();
-        let mut images: Option<(MapBuilder, Parameters)> = None;
-        let (mut warnings, mut codes, mut blocks) = (Warnings::default(), Vec::new(), Vec::new());
+        let mut mapping = Mapping::new(self.method.kind(), parameters);
+        let mut warnings = Warnings::default();
         for (index, folder) in self.recordings.iter().enumerate() {
             interrupt::check()?;
             let source = self.alignment.open(folder)?;
-            let Some(truth) = &source.truth else {
-                bail!(
-                    "{}: truth.tum: is missing; a map needs the true poses of its drive",
-                    folder.display()
-                );
-            };
-            source.check_signal()?;
             warnings.extend(trust::changed(folder));
-            let own = parameters.for_recording(&source.meta);
+            let own = mapping.parameters().for_recording(&source.meta);
             warnings.extend(trust::ignored(self.parameters.parameters.as_deref(), &own));
-            let code = if self.method == MethodArgument::Landmarks {
-                let (truth, meta) = (truth.clone(), source.meta.clone());
-                let sequence = echo::measure(&source.load()?, &own)?;
-                let code = CodeMeter::of(&sequence);
-                let code = trust::check_echoes(&meta, &code, folder, &mut warnings)?;
-                drives.push(trust::covered(sequence, &truth, folder, &mut warnings)?);
-                code
-            } else {
-                if images.is_none() {
-                    images = Some((MapBuilder::new(&own)?, own.clone()));
-                }
-                let Some((map, first)) = &mut images else {
-                    continue;
-                };
-                check_alike(&first.signal, &own.signal, folder)?;
-                let mut code = CodeMeter::new(&own);
-                let speeds = source.odometry.iter().map(|sample| sample.v_mps);
-                let mut cover = Cover::new(truth, speeds, folder, &mut warnings)?;
-                source.measure_each(&own, &mut |block, _| {
-                    code.add(block);
-                    if let Some(pose) = cover.pose_at(block.t_s) {
-                        map.add(block, &pose)?;
-                    }
-                    Ok(true)
-                })?;
-                let code = trust::check_echoes(&source.meta, &code, folder, &mut warnings)?;
-                blocks.push(cover.finish(folder, &mut warnings)?);
-                code
-            };
-            codes.push(code.map(rounded));
+            mapping.add(&Drive::of_folder(&source, folder), &mut warnings)?;
             task.set(index as u64 + 1);
         }
         task.finish();
         let warnings = warnings.tell();
-        let Some((map, _)) = images else {
-            return super::landmarks::map(&drives, &self.output, json);
+        let (map, report) = mapping.finish()?;
+        let map = match map {
+            Map::Images(map) => map,
+            Map::Landmarks(map) => return super::landmarks::write_map(&map, &self.output, json),
         };
-        let map = map.finish()?;
         manifest::put_into(&self.output, |folder| Ok(map.write(folder)?))?;
         let (rows, columns) = map.intensity.dim();
         if json {
@@ -166,8 +120,8 @@ impl Arguments {
                 "columns": columns,
                 "cell_m": map.cell_m,
                 "origin_m": map.origin_m(),
-                "blocks": blocks,
-                "code_found": codes,
+                "blocks": report.blocks,
+                "code_found": report.codes.iter().map(|code| code.map(rounded)).collect::<Vec<_>>(),
                 "warnings": warnings,
             }));
         }
@@ -178,16 +132,4 @@ impl Arguments {
         );
         Ok(())
     }
-}
-
-/// Refuses drives with other codes or sensors in one map.
-fn check_alike(first: &SignalParameters, own: &SignalParameters, folder: &Path) -> Result<()> {
-    if first == own {
-        return Ok(());
-    }
-    bail!(
-        "{}: was recorded with another code, speed of sound, rate or sensor than the first recording; make a map of \
-         recordings of one kind",
-        folder.display()
-    );
 }

@@ -25,7 +25,6 @@ mod study;
 mod tasks;
 mod track;
 mod transmit;
-mod trust;
 mod validate;
 
 use anyhow::Result;

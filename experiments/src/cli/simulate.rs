@@ -13,14 +13,12 @@ use fdtd::walls::WallModel;
 
 use super::arguments::{EngineArguments, ForceArgument, named, threads};
 use super::output::print_json;
-use crate::data::atomic;
 use crate::data::field_frame::FieldFrame;
-use crate::data::manifest::Manifest;
 use crate::data::place::Place;
 use crate::figures;
 use crate::figures::drawing::png;
 use crate::recordings::preflight;
-use crate::recordings::recording::{absorbed, note_air, recording};
+use crate::recordings::recording::{self, Extras, record};
 use crate::recordings::robot::Robot;
 use crate::recordings::simulate::{Checkpoint, RunOptions, Snapshots, signal};
 use crate::recordings::spec::{Engine, ODOMETRY_BIAS_RADPS, RecordingSpec};
@@ -247,79 +245,35 @@ impl Arguments {
             Engine::ImageSource => None,
         };
         let started = Instant::now();
-        let record = |spec: &RecordingSpec,
-                      ending: &str,
-                      pictures: Option<&(PathBuf, f64)>|
-         -> Result<Vec<f32>> {
-            let steps = estimate.map_or(1, |estimate| estimate.steps);
-            let task = board.task(&spec.path, steps);
+        let mut leftovers = Vec::new();
+        let mut simulate = |own: &RecordingSpec| -> Result<Vec<f32>> {
+            let direct = if own.free_field && !spec.free_field {
+                ".direct"
+            } else {
+                ""
+            };
+            let stamped = if own.stamped { ".stamped" } else { "" };
             let checkpoint = Checkpoint {
-                path: self.beside(ending),
+                path: self.beside(&format!("{direct}{stamped}.checkpoint")),
                 resume: self.resume,
             };
-            let draw = |frame: &FieldFrame| -> Result<()> {
-                if let Some((folder, _)) = pictures {
-                    figures::snapshot::draw(&scene, &spec.path, frame, folder)?;
-                }
-                Ok(())
-            };
-            let options = RunOptions {
-                threads: self.threads,
-                checkpoint: Some(&checkpoint),
-                snapshots: pictures.map(|&(_, every_s)| Snapshots {
-                    every_s,
-                    receive: &draw,
-                }),
-                ..RunOptions::default()
-            };
-            let signal = signal(&scene, spec, &options, &task)?;
-            if let Some((folder, _)) = pictures {
-                figures::animation::animate(folder)?;
-            }
-            Ok(signal)
+            leftovers.push(checkpoint.path.clone());
+            let pictures = pictures.as_ref().filter(|_| *own == spec);
+            self.signal(&scene, own, (&board, estimate), &checkpoint, pictures)
         };
-        let mut leftovers = Vec::new();
-        // One drive, with absorption by the air when requested.
-        let mut simulate = |spec: &RecordingSpec,
-                            name: &str,
-                            pictures: Option<&(PathBuf, f64)>|
-         -> Result<Vec<f32>> {
-            let ending = format!("{name}.checkpoint");
-            let plain = record(spec, &ending, pictures)?;
-            leftovers.push(self.beside(&ending));
-            let Some(air) = &air else {
-                return Ok(plain);
-            };
-            let ending = format!("{name}.stamped.checkpoint");
-            let stamped = record(&spec.stamped(), &ending, None)?;
-            leftovers.push(self.beside(&ending));
-            absorbed(&scene, spec, &plain, &stamped, air)
+        let extras = Extras {
+            air: air.as_ref(),
+            with_direct: self.with_direct,
+            robot: robot.as_ref(),
         };
-        let signal = simulate(&spec, "", pictures.as_ref())?;
-        let direct = if self.with_direct {
-            Some(simulate(&spec.in_free_field(), ".direct", None)?)
-        } else {
-            None
-        };
+        let recording = record(&scene, &spec, &extras, &mut simulate)?;
         let seconds = started.elapsed().as_secs_f64();
-        let mut recording = recording(&scene, &spec, signal, seconds)?;
-        recording.direct = direct;
-        if let Some(air) = &air {
-            note_air(&mut recording, air);
-        }
-        if let Some(robot) = &robot {
-            robot.apply(&mut recording, path, &spec.path);
-        }
-        atomic::write_folder(&self.output, |folder| {
-            match &robot {
-                Some(robot) => robot.write(&recording, &spec.path, folder)?,
-                None => recording.write(folder)?,
+        let robot = robot.as_ref().map(|robot| (robot, spec.path.as_str()));
+        recording::write(&recording, robot, &self.output).with_context(|| {
+            match leftovers.iter().any(|path| path.exists()) {
+                true => "the simulation is kept: the same command with --resume writes it",
+                false => "nothing is kept",
             }
-            Manifest::of(folder)?.write(folder)
-        })
-        .with_context(|| match leftovers.iter().any(|path| path.exists()) {
-            true => "the simulation is kept: the same command with --resume writes it",
-            false => "nothing is kept",
         })?;
         for path in leftovers.iter().filter(|path| path.exists()) {
             std::fs::remove_file(path)?;
@@ -340,5 +294,38 @@ impl Arguments {
             duration(seconds)
         );
         Ok(())
+    }
+
+    /// The signal of one drive, with pictures of the field where these are wanted.
+    fn signal(
+        &self,
+        scene: &Scene,
+        spec: &RecordingSpec,
+        (board, estimate): (&Board, Option<schedule::Estimate>),
+        checkpoint: &Checkpoint,
+        pictures: Option<&(PathBuf, f64)>,
+    ) -> Result<Vec<f32>> {
+        let steps = estimate.map_or(1, |estimate| estimate.steps);
+        let task = board.task(&spec.path, steps);
+        let draw = |frame: &FieldFrame| -> Result<()> {
+            if let Some((folder, _)) = pictures {
+                figures::snapshot::draw(scene, &spec.path, frame, folder)?;
+            }
+            Ok(())
+        };
+        let options = RunOptions {
+            threads: self.threads,
+            checkpoint: Some(checkpoint),
+            snapshots: pictures.map(|&(_, every_s)| Snapshots {
+                every_s,
+                receive: &draw,
+            }),
+            ..RunOptions::default()
+        };
+        let signal = signal(scene, spec, &options, &task)?;
+        if let Some((folder, _)) = pictures {
+            figures::animation::animate(folder)?;
+        }
+        Ok(signal)
     }
 }

@@ -6,23 +6,25 @@ use anyhow::{Result, bail};
 use fdtd::scene::Scene;
 use localizer::filter::motion_model::dead_reckon;
 use localizer::io::recording_source::{ReadOptions, RecordingSource};
-use localizer::landmarks::{self, Noise, Status};
-use localizer::quality::{self, CodeMeter};
-use localizer::{Parameters, Recording, Trajectory, echo, slam};
+use localizer::landmarks::{self, Status};
+use localizer::{Parameters, Recording, Trajectory};
 
 use super::arguments::{ForceArgument, ParameterArguments, files_of_recording};
 use super::estimates::Clock;
 use super::landmarks::{is_table, scored, share, write};
 use super::output::{print, print_json};
-use super::trust::{self, Warnings};
 use crate::data::layout::Layout;
 use crate::data::place::Place;
 use crate::data::{estimate, manifest};
+use crate::drive::Drive;
 use crate::figures;
 use crate::figures::drawing::png;
 use crate::figures::landmarks::{ESTIMATE, NamedPath, TRUTH, WHEELS};
+use crate::localization;
+use crate::mapping::MapKind;
 use crate::metrics::rounded;
 use crate::run::progress::Board;
+use crate::trust::Warnings;
 
 /// Arguments of `slam`.
 #[derive(Debug, clap::Args)]
@@ -82,7 +84,7 @@ impl Arguments {
             picture.file(png::is_ours)?;
         }
         match &self.map_out {
-            Some(folder) => place(folder.clone()).files_in_folder(super::map::LANDMARK_FILES),
+            Some(folder) => place(folder.clone()).files_in_folder(MapKind::Landmarks.files()),
             None => Ok(()),
         }
     }
@@ -107,21 +109,19 @@ impl Arguments {
         };
         parameters.measurement.periods = self.periods.unwrap_or(usual);
         let parameters = parameters.for_recording(&recording.meta);
-        quality::check_signal(&recording.signal, &self.recording.display().to_string())?;
-        let board = Board::new();
-        let measuring = board.task("echoes", 1);
-        let echoes = echo::measure(&recording, &parameters)?;
-        measuring.finish();
         let mut warnings = Warnings::default();
-        let code = CodeMeter::of(&echoes);
-        trust::check_echoes(&recording.meta, &code, &self.recording, &mut warnings)?;
-        let task = board.task("slam", echoes.blocks.len() as u64);
-        let mut estimator = slam::Slam::new(&parameters, recording.start_pose(), Noise::default());
-        for (index, block) in echoes.blocks.iter().enumerate() {
-            estimator.update(block, echoes.recent_odometry(index));
-            task.set(index as u64 + 1);
-        }
-        let drive = estimator.finish();
+        let task = Board::new().task("slam", 1);
+        let drive = localization::without_map(
+            &Drive::loaded(&recording, &self.recording),
+            &parameters,
+            recording.start_pose(),
+            &mut warnings,
+            &mut |done, all| {
+                task.set_length(all);
+                task.set(done);
+                Ok(())
+            },
+        )?;
         task.finish();
         let Some(map) = &drive.map else {
             bail!(

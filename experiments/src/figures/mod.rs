@@ -8,7 +8,7 @@ pub(crate) mod landmarks;
 pub mod localization;
 pub mod scene;
 pub mod snapshot;
-pub(crate) mod study;
+pub mod study;
 
 mod angular_resolution;
 mod dispersion;

@@ -1,5 +1,8 @@
 //! From a microphone signal to a recording: odometry, truth, provenance, and absorption by the air.
 
+use std::path::Path;
+use std::time::Instant;
+
 use anyhow::Result;
 use fdtd::medium::Air;
 use fdtd::medium::absorbed::{LONGEST_M, Stamped};
@@ -9,8 +12,11 @@ use localizer::odometry::OdometrySample;
 use localizer::recording::{Recording, RecordingMeta};
 use localizer::{Parameters, Pose, Trajectory};
 
+use super::robot::Robot;
 use super::spec::RecordingSpec;
 use super::waveform::parameters_of;
+use crate::data::atomic;
+use crate::data::manifest::Manifest;
 
 /// Rate at which odometry and truth are recorded, Hz.
 const ODOMETRY_RATE_HZ: f64 = 50.0;
@@ -45,6 +51,67 @@ pub fn note_air(recording: &mut Recording, air: &Air) {
         "pressure_pa": air.pressure_pa,
         "longest_path_m": LONGEST_M,
     });
+}
+
+/// What a recording has beside the sound among the walls.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Extras<'a> {
+    /// The air that absorbs.
+    pub air: Option<&'a Air>,
+    /// The same drive without walls.
+    pub with_direct: bool,
+    /// The robot whose instruments replace ideal ones.
+    pub robot: Option<&'a Robot>,
+}
+
+/// The recording of a drive; `simulate` gives the signal of each of the drives that it takes: without walls for the
+/// direct wave, and stamped twins for absorption.
+///
+/// # Errors
+/// Those of `simulate`, and when the scene has no such path.
+pub fn record(
+    scene: &Scene,
+    spec: &RecordingSpec,
+    extras: &Extras<'_>,
+    simulate: &mut dyn FnMut(&RecordingSpec) -> Result<Vec<f32>>,
+) -> Result<Recording> {
+    let started = Instant::now();
+    let mut heard = |spec: &RecordingSpec| -> Result<Vec<f32>> {
+        let plain = simulate(spec)?;
+        match extras.air {
+            Some(air) => absorbed(scene, spec, &plain, &simulate(&spec.stamped())?, air),
+            None => Ok(plain),
+        }
+    };
+    let signal = heard(spec)?;
+    let direct = match extras.with_direct {
+        true => Some(heard(&spec.in_free_field())?),
+        false => None,
+    };
+    let mut recording = recording(scene, spec, signal, started.elapsed().as_secs_f64())?;
+    recording.direct = direct;
+    if let Some(air) = extras.air {
+        note_air(&mut recording, air);
+    }
+    if let Some(robot) = extras.robot {
+        robot.apply(&mut recording, scene.path(&spec.path)?, &spec.path);
+    }
+    Ok(recording)
+}
+
+/// Writes a recording into its folder, with the manifest that tells it from other people's files; by a robot's sound
+/// card where it has one.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write(recording: &Recording, robot: Option<(&Robot, &str)>, folder: &Path) -> Result<()> {
+    atomic::write_folder(folder, |folder| {
+        match robot {
+            Some((robot, path)) => robot.write(recording, path, folder)?,
+            None => recording.write(folder)?,
+        }
+        Manifest::of(folder)?.write(folder)
+    })
 }
 
 /// The recording of a drive with this signal: biased odometry, truth, waveform and provenance. `seconds` is the time

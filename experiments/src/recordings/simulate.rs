@@ -94,7 +94,10 @@ pub fn signal(
 }
 
 /// The signal by image sources, with the direct wave of a pair that is apart.
-fn image_signal(scene: &Scene, spec: &RecordingSpec) -> Result<Vec<f32>> {
+///
+/// # Errors
+/// When a wall is not rigid, or the scene has no such path.
+pub fn image_signal(scene: &Scene, spec: &RecordingSpec) -> Result<Vec<f32>> {
     let walls: &[fdtd::walls::Wall] = if spec.free_field { &[] } else { &scene.walls };
     if let Some(index) = walls.iter().position(|wall| wall.impedance.is_some()) {
         anyhow::bail!(

@@ -56,6 +56,16 @@ impl Drop for AtOnce {
     }
 }
 
+/// Requests a clean stop, as the first Ctrl-C does: for programs that have a handler of their own.
+pub fn request() {
+    REQUESTED.store(true, Ordering::SeqCst);
+}
+
+/// Takes a request back, once what it stopped has ended.
+pub fn clear() {
+    REQUESTED.store(false, Ordering::SeqCst);
+}
+
 /// Whether a stop was requested.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::SeqCst)

@@ -11,11 +11,9 @@ use rayon::prelude::*;
 use super::arrivals;
 use super::group::{Finished, Group, Output};
 use super::trial::{Approach, Found, TrialResult};
+use crate::localization::START_SIGMA;
 use crate::run::interrupt;
 use crate::session::Session;
-
-/// Standard deviations of a start that truth gives, in metres and radians.
-pub const START_SIGMA: [f64; 2] = [0.01, 0.02];
 
 /// Maps of landmarks by all that determines them; the text is the reason why there is none.
 type Maps = Mutex<HashMap<String, Result<Arc<LandmarkMap>, String>>>;

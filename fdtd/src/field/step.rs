@@ -62,6 +62,13 @@ pub trait Field: Send {
     /// Takes one step per entry of `steps` and appends what the receiver reads after each of them, in Pa.
     fn advance(&mut self, steps: &[StepForcing], received: &mut Vec<f32>);
 
+    /// Adds a contribution to the newest pressure, as the injections of a step: for sources beyond a step's own. Solid
+    /// cells take nothing.
+    fn add(&mut self, injection: &Injection);
+
+    /// What a receiver reads of the newest pressure, in Pa.
+    fn read(&self, receiver: &Stencil) -> f32;
+
     /// How many steps per call of [`Field::advance`] suit the engine.
     fn preferred_block(&self) -> usize;
 

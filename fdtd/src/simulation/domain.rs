@@ -5,6 +5,7 @@
 
 use super::options::SimulationOptions;
 use crate::error::Error;
+use crate::field::FieldSetup;
 use crate::grid::{Grid, Medium};
 use crate::scene::Scene;
 use crate::scheme::Scheme;
@@ -62,6 +63,20 @@ impl Domain {
             layer_cells: scene.layer_cells,
             walls,
         })
+    }
+
+    /// The constants of the field of all of it.
+    ///
+    /// # Panics
+    /// As [`FieldSetup::new`].
+    pub(super) fn setup(&self) -> FieldSetup {
+        FieldSetup::new(
+            &self.grid,
+            &self.medium,
+            self.scheme,
+            self.layer_cells,
+            &self.walls,
+        )
     }
 
     /// Crops an open domain to the drive, its clearance and the layer; returns the new origin in metres, a whole number

@@ -7,12 +7,14 @@ mod moving_pair;
 mod options;
 mod segment_planner;
 mod segments;
+mod stepped_field;
 mod watch;
 
 pub use domain::Domain;
 pub use flow::{Flow, Outcome, Progress};
 pub use moving_pair::{MovingPair, SOURCE_STRENGTH_M2PS};
 pub use options::SimulationOptions;
+pub use stepped_field::{Places, SteppedField};
 
 use crate::decimate::Decimator;
 use crate::error::Error;

@@ -1,6 +1,5 @@
 //! `echolot track`.
 
-mod engine;
 mod setup;
 mod sound;
 mod stream;
@@ -16,12 +15,12 @@ use clap::ValueEnum;
 use localizer::Trajectory;
 use localizer::align::SoundClock;
 
-use self::engine::Told;
 use self::sound::Sound;
 use self::view::View;
 use self::wheels::Wheels;
 use super::localize::{MethodArgument, StartArgument, start, start_sigma};
 use crate::live::pcm::{self, Format, Layout};
+use crate::localization::Told;
 
 /// Periods whose time of work is averaged.
 const WORK_PERIODS: u32 = 50;
@@ -188,7 +187,11 @@ impl Arguments {
             if let Some(told) = told {
                 let status = if heard { told.status } else { "gap" };
                 if let Some(view) = &mut view {
-                    view.show(&told, status, &engine.picture());
+                    view.show(
+                        &told,
+                        status,
+                        &view::picture_of(&engine, &parameters.signal),
+                    );
                     if output.is_terminal() {
                         continue;
                     }

@@ -7,15 +7,14 @@ use localizer::echo::block_stream;
 use localizer::io::description::{PeriodicSpectrum, TransmitDescription};
 use localizer::io::recording_clocks::{WHEELS_S, WheelClock};
 use localizer::io::recording_source::working_rate;
-use localizer::landmarks::{LandmarkLocalizer, LandmarkMap, Noise, Start};
-use localizer::{Localizer, MapImage, Method, Parameters};
+use localizer::landmarks::{LandmarkMap, Start};
+use localizer::{MapImage, Method, Parameters};
 
-use super::super::landmarks::START_SIGMA;
 use super::super::localize::StartArgument;
 use super::Arguments;
-use super::engine::Engine;
 use super::sound::{Period, Sound};
 use super::wheels::Wheels;
+use crate::localization::{START_SIGMA, Stream};
 
 /// Time of the wheels' log that is waited for before its clock is looked for, in seconds.
 const FIRST_LOG_S: f64 = 15.0;
@@ -73,7 +72,7 @@ impl Arguments {
     }
 
     /// The localizer and its parameters.
-    pub(super) fn engine(&self, rate_hz: f64) -> Result<(Engine, Parameters)> {
+    pub(super) fn engine(&self, rate_hz: f64) -> Result<(Stream, Parameters)> {
         if self.method.of_images().is_none() {
             let map = LandmarkMap::read(&self.map)?;
             let parameters = self.parameters(map.parameters.clone(), rate_hz)?;
@@ -86,24 +85,16 @@ impl Arguments {
                     sigma_rad,
                 },
             };
-            let localizer = LandmarkLocalizer::new(&parameters, map, &start, Noise::default())?;
-            return Ok((Engine::Landmarks(Box::new(localizer)), parameters));
+            let stream = Stream::among_landmarks(&parameters, map, &start)?;
+            return Ok((stream, parameters));
         }
         let StartArgument::Pose(pose) = self.start else {
             bail!("--start unknown: needs --method landmarks; give X,Y,DEG");
         };
         let map = MapImage::read(&self.map)?;
         let parameters = self.parameters(map.parameters.clone(), rate_hz)?;
-        let measurement = &parameters.measurement;
-        let rest = measurement.periods as f64 - measurement.reference_periods();
-        let engine = Engine::Images {
-            localizer: Box::new(Localizer::new(&parameters, map, pose, self.seed)?),
-            particles: parameters.filter.particles as f64,
-            rest_s: rest * parameters.period_s(),
-            by_wheels: parameters.filter.method == Method::Odometry,
-            signal: parameters.signal,
-        };
-        Ok((engine, parameters))
+        let stream = Stream::by_images(parameters.clone(), map, pose, self.seed)?;
+        Ok((stream, parameters))
     }
 
     /// Finds what the wheels' clock shows at the first period; the periods of sound that this took come back.

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use localizer::parameters::SignalParameters;
 use ndarray::Array2;
 
-use super::engine::Told;
+use crate::localization::{Stream, Told};
 
 /// Rows of the picture; a letter is twice as high as wide. The robot is in the middle and looks up.
 const ROWS: usize = 21;
@@ -33,8 +33,22 @@ pub(super) struct Echo {
     pub(super) height: f64,
 }
 
+/// The newest echoes: the largest of every direction and tenth of a metre, or the peaks.
+pub(super) fn picture_of(stream: &Stream, signal: &SignalParameters) -> Vec<Echo> {
+    match stream {
+        Stream::Images(images) => of_block(&images.0.echoes().intensity, signal),
+        Stream::Landmarks(localizer) => (localizer.tracker().peaks().iter())
+            .map(|peak| Echo {
+                range_m: peak.range_m,
+                cosine: peak.cosine,
+                height: peak.amplitude,
+            })
+            .collect(),
+    }
+}
+
 /// The largest echo of every direction and range in a block `[direction, delay]`.
-pub(super) fn of_block(intensity: &Array2<f32>, signal: &SignalParameters) -> Vec<Echo> {
+fn of_block(intensity: &Array2<f32>, signal: &SignalParameters) -> Vec<Echo> {
     let last = intensity.nrows().saturating_sub(1).max(1) as f64;
     let width = signal.delay_of_range(BIN_M).max(1);
     let mut echoes = Vec::new();

@@ -90,7 +90,7 @@ fn number(value: f64) -> String {
 ///
 /// # Errors
 /// When a data file is missing or damaged, or a picture cannot be written.
-pub(crate) fn draw(study: &Study, results: &Path) -> Result<Vec<PathBuf>> {
+pub fn draw(study: &Study, results: &Path) -> Result<Vec<PathBuf>> {
     draw_into(study, results, &results.join("figures"), "png")
 }
 

@@ -35,8 +35,8 @@ use self::level::Level;
 use self::plan::Plan;
 use self::team::Team;
 use super::setup::FieldSetup;
-use super::step::{Field, FieldState, StepForcing, combine_rows};
-use crate::spread::TAPS;
+use super::step::{Field, FieldState, Injection, StepForcing, combine_rows};
+use crate::spread::{Stencil, TAPS};
 
 /// Steps per time block, times the stencil's radius: the rows in flight of all steps (about `2 BLOCK` rows, 350 KiB at
 /// 1000 columns) stay in the second-level cache.
@@ -148,6 +148,38 @@ impl Field for FastField {
         for block in steps.chunks(self.preferred_block()) {
             self.block(block, received);
         }
+    }
+
+    fn add(&mut self, injection: &Injection) {
+        let plan = Arc::clone(&self.plan);
+        let (layout, s) = (&plan.layout, &injection.stencil);
+        let numbers = self.now.numbers_mut();
+        let mut plain = vec![0.0; layout.nx];
+        for (iy, wy) in (s.y0..).zip(&s.wy) {
+            let start = (iy + layout.halo) * layout.stride;
+            let row = &mut numbers[start..start + layout.stride];
+            layout.unpack(row, &mut plain);
+            let weight = wy * injection.amplitude;
+            for (p, wx) in plain[s.x0..s.x0 + TAPS].iter_mut().zip(&s.wx) {
+                *p = wx.mul_add(weight, *p);
+            }
+            for &ix in plan.setup.walls.solid_within(iy, s.x0..s.x0 + TAPS) {
+                plain[ix] = 0.0;
+            }
+            // Its neighbours' copies in the halos too.
+            layout.pack(&plain, row);
+        }
+    }
+
+    fn read(&self, s: &Stencil) -> f32 {
+        let layout = &self.plan.layout;
+        let rows: [f64; TAPS] = std::array::from_fn(|j| {
+            let row = self.row(&self.now, s.y0 + j);
+            let taps = (s.x0..).zip(&s.wx);
+            taps.map(|(ix, &w)| f64::from(w) * f64::from(row[layout.offset(ix)]))
+                .sum()
+        });
+        combine_rows(s, &rows)
     }
 
     fn set_threads(&mut self, threads: usize) {

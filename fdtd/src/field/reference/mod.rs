@@ -6,12 +6,14 @@ mod rows;
 use self::rows::{RIM, absorb, d25_row, layered_row, m13_row, slf_row};
 use super::setup::FieldSetup;
 use super::stencil::Splat;
-use super::step::{Field, FieldState, StepForcing, combine_rows, flush_subnormals, layer_row};
+use super::step::{
+    Field, FieldState, Injection, StepForcing, combine_rows, flush_subnormals, layer_row,
+};
 use crate::boundary::Reaction;
 use crate::number::Real;
 use crate::pml::Profile;
 use crate::scheme::Scheme;
-use crate::spread::TAPS;
+use crate::spread::{Stencil, TAPS};
 
 /// Square root of the restoring quantum: the angular frequency of a constant pressure in radians a step.
 const SWING: f64 = 3.452_669_830_012_439e-4;
@@ -219,6 +221,30 @@ impl<N: Real> PlainField<N> {
     }
 }
 
+impl PlainField<f32> {
+    fn inject(&mut self, injection: &Injection) {
+        let s = &injection.stencil;
+        let stride = self.stride();
+        for (j, wy) in s.wy.iter().enumerate() {
+            let start = (s.y0 + j + RIM) * stride + RIM + s.x0;
+            let weight = wy * injection.amplitude;
+            for (p, wx) in self.now[start..start + TAPS].iter_mut().zip(&s.wx) {
+                *p = wx.mul_add(weight, *p);
+            }
+        }
+    }
+
+    fn received(&self, s: &Stencil) -> f32 {
+        let stride = self.stride();
+        let rows: [f64; TAPS] = std::array::from_fn(|j| {
+            let start = (s.y0 + j + RIM) * stride + RIM + s.x0;
+            let taps = self.now[start..start + TAPS].iter().zip(&s.wx);
+            taps.map(|(&p, &w)| f64::from(w) * f64::from(p)).sum()
+        });
+        combine_rows(s, &rows)
+    }
+}
+
 /// The plain engine in `f32`: the oracle of [`super::FastField`].
 #[derive(Debug, Clone)]
 pub struct ReferenceField(PlainField<f32>);
@@ -301,28 +327,23 @@ impl PreciseField {
 impl Field for ReferenceField {
     fn advance(&mut self, steps: &[StepForcing], received: &mut Vec<f32>) {
         let field = &mut self.0;
-        let stride = field.stride();
         for forcing in steps {
             field.step(forcing.flush);
             for injection in &forcing.injections {
-                let s = &injection.stencil;
-                for (j, wy) in s.wy.iter().enumerate() {
-                    let start = (s.y0 + j + RIM) * stride + RIM + s.x0;
-                    let weight = wy * injection.amplitude;
-                    for (p, wx) in field.now[start..start + TAPS].iter_mut().zip(&s.wx) {
-                        *p = wx.mul_add(weight, *p);
-                    }
-                }
+                field.inject(injection);
             }
             field.silence_walls();
-            let s = &forcing.receiver;
-            let rows: [f64; TAPS] = std::array::from_fn(|j| {
-                let start = (s.y0 + j + RIM) * stride + RIM + s.x0;
-                let taps = field.now[start..start + TAPS].iter().zip(&s.wx);
-                taps.map(|(&p, &w)| f64::from(w) * f64::from(p)).sum()
-            });
-            received.push(combine_rows(s, &rows));
+            received.push(field.received(&forcing.receiver));
         }
+    }
+
+    fn add(&mut self, injection: &Injection) {
+        self.0.inject(injection);
+        self.0.silence_walls();
+    }
+
+    fn read(&self, receiver: &Stencil) -> f32 {
+        self.0.received(receiver)
     }
 
     fn preferred_block(&self) -> usize {

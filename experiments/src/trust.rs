@@ -1,4 +1,4 @@
-//! What `map` and `localize` say of how far their results can be trusted.
+//! What is said of a drive, a map and their parameters: how far results can be trusted.
 
 use std::path::Path;
 
@@ -23,21 +23,26 @@ const SAME_AIR: f64 = 1e-3;
 
 /// Warnings of a command, told together at its end.
 #[derive(Debug, Default)]
-pub(super) struct Warnings(Vec<String>);
+pub struct Warnings(Vec<String>);
 
 impl Warnings {
     /// Adds one.
-    pub(super) fn add(&mut self, warning: impl Into<String>) {
+    pub fn add(&mut self, warning: impl Into<String>) {
         self.0.push(warning.into());
     }
 
     /// Adds several.
-    pub(super) fn extend(&mut self, warnings: impl IntoIterator<Item = String>) {
+    pub fn extend(&mut self, warnings: impl IntoIterator<Item = String>) {
         self.0.extend(warnings);
     }
 
+    /// The warnings in their order.
+    pub fn lines(self) -> Vec<String> {
+        self.0
+    }
+
     /// The warnings in their order, each printed on standard error.
-    pub(super) fn tell(self) -> Vec<String> {
+    pub fn tell(self) -> Vec<String> {
         for warning in &self.0 {
             eprintln!("warning: {warning}");
         }
@@ -46,7 +51,7 @@ impl Warnings {
 }
 
 /// Words on files of an input folder that this program wrote and that are other ones now: edited, or damaged.
-pub(super) fn changed(folder: &Path) -> Vec<String> {
+pub fn changed(folder: &Path) -> Vec<String> {
     let manifest = Manifest::read(folder).unwrap_or_default();
     let names = manifest.changed(folder).into_iter();
     names
@@ -63,7 +68,7 @@ pub(super) fn changed(folder: &Path) -> Vec<String> {
 ///
 /// # Errors
 /// When there is next to none: a dead microphone, noise, another code.
-pub(super) fn check_echoes(
+pub fn check_echoes(
     meta: &RecordingMeta,
     code: &CodeMeter,
     folder: &Path,
@@ -96,7 +101,7 @@ pub(super) fn check_echoes(
 }
 
 /// The true poses of a mapping drive, where they can be relied on.
-pub(super) struct Cover<'a> {
+pub struct Cover<'a> {
     truth: &'a Trajectory,
     /// Poses before which the truth jumps.
     jumps: Vec<usize>,
@@ -111,7 +116,7 @@ impl<'a> Cover<'a> {
     ///
     /// # Errors
     /// When most of the truth jumps.
-    pub(super) fn new(
+    pub fn new(
         truth: &'a Trajectory,
         speeds_mps: impl Iterator<Item = f64>,
         folder: &Path,
@@ -152,7 +157,7 @@ impl<'a> Cover<'a> {
     }
 
     /// The pose of the next block, if the truth covers it.
-    pub(super) fn pose_at(&mut self, t_s: f64) -> Option<Pose> {
+    pub fn pose_at(&mut self, t_s: f64) -> Option<Pose> {
         self.all += 1;
         self.ends_s = Some([self.ends_s.map_or(t_s, |[first_s, _]| first_s), t_s]);
         // An outlier is a jump there and a jump back: the pose between them is in neither interval alone.
@@ -175,7 +180,7 @@ impl<'a> Cover<'a> {
     ///
     /// # Errors
     /// When little is covered.
-    pub(super) fn finish(self, folder: &Path, warnings: &mut Warnings) -> Result<usize> {
+    pub fn finish(self, folder: &Path, warnings: &mut Warnings) -> Result<usize> {
         let folder = folder.display();
         let [first_s, last_s] = self.ends_s.unwrap_or_default();
         let percent = 100.0 * self.covered as f64 / self.all.max(1) as f64;
@@ -203,7 +208,7 @@ impl<'a> Cover<'a> {
 ///
 /// # Errors
 /// As [`Cover::new`] and [`Cover::finish`].
-pub(super) fn covered(
+pub fn covered(
     echoes: EchoSequence,
     truth: &Trajectory,
     folder: &Path,
@@ -225,7 +230,7 @@ pub(super) fn covered(
 }
 
 /// Words on values of a parameter file that `recording.json` replaces.
-pub(super) fn ignored(file: Option<&Path>, recording: &Parameters) -> Vec<String> {
+pub fn ignored(file: Option<&Path>, recording: &Parameters) -> Vec<String> {
     let Some(file) = file else {
         return Vec::new();
     };
@@ -260,7 +265,7 @@ pub(super) fn ignored(file: Option<&Path>, recording: &Parameters) -> Vec<String
 }
 
 /// Words on where a drive's recording and parameters differ from those that the map was made with.
-pub(super) fn contradictions(map: &Parameters, drive: &Parameters) -> Vec<String> {
+pub fn contradictions(map: &Parameters, drive: &Parameters) -> Vec<String> {
     let mut words = Vec::new();
     let (a, b) = (map.signal, drive.signal);
     for (field, ours, theirs) in [

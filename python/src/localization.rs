@@ -1,0 +1,666 @@
+//! Localization: streams, whole drives, and without a map.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use experiments::data::estimate;
+use experiments::data::place::Place;
+use experiments::drive::Drive;
+use experiments::localization::{self, START_SIGMA, Stream, Told};
+use experiments::mapping::Map;
+use experiments::scores::Scores;
+use experiments::trust::{Warnings, changed, contradictions};
+use localizer::landmarks::{self, Start};
+use localizer::{Method, Odometry, Pose, Trajectory as Track};
+use ndarray::Array3;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::arrays::{contiguous, of_pose, of_poses, pose, shape_error, slice, to_python};
+use crate::background;
+use crate::error::{of_library, raised};
+use crate::map::{EchoMap, warn};
+use crate::parameters::Parameters;
+use crate::recording::Recording;
+use crate::trajectory::Trajectory;
+
+/// The pose after one period of sound.
+#[pyclass(frozen, module = "echolot")]
+pub(crate) struct Estimate(Told);
+
+#[pymethods]
+impl Estimate {
+    /// Instant of ``pose`` in seconds: the middle of the newest block of periods.
+    #[getter]
+    fn t(&self) -> f64 {
+        self.0.t_s
+    }
+
+    /// x and y in metres and the heading in radians.
+    #[getter]
+    fn pose(&self) -> [f64; 3] {
+        of_pose(&self.0.pose)
+    }
+
+    /// Covariance of x, y (m) and heading (rad), ``(3, 3)``.
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        ndarray::arr2(&self.0.covariance).into_pyarray(py)
+    }
+
+    /// Instant of the newest sample in seconds.
+    #[getter]
+    fn latest_t(&self) -> f64 {
+        self.0.latest_s
+    }
+
+    /// The pose carried to the newest sample by the wheels.
+    #[getter]
+    fn latest(&self) -> [f64; 3] {
+        of_pose(&self.0.latest)
+    }
+
+    /// Among landmarks how far to trust it, ``"sure"``, ``"converging"`` or ``"lost"``; by images what it rests on,
+    /// ``"echoes"``, ``"slow"`` (too slow for bearings) or ``"wheels"``.
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.0.status
+    }
+
+    /// Among landmarks the share of the expected echoes that were found lately; by images the effective share of the
+    /// particles.
+    #[getter]
+    fn fit(&self) -> f64 {
+        self.0.fit
+    }
+
+    fn __repr__(&self) -> String {
+        let [x, y, heading] = of_pose(&self.0.pose);
+        format!(
+            "Estimate(t={:.3}, x={x:.4}, y={y:.4}, heading={heading:.4}, {:?})",
+            self.0.t_s, self.0.status
+        )
+    }
+}
+
+/// Where a drive begins: a pose, or nothing known.
+#[derive(FromPyObject)]
+pub(crate) enum StartArgument {
+    Pose([f64; 3]),
+    Word(String),
+}
+
+impl StartArgument {
+    fn pose(&self) -> PyResult<Option<Pose>> {
+        match self {
+            Self::Pose(numbers) if numbers.iter().all(|number| number.abs() <= 1e5) => {
+                Ok(Some(pose(*numbers)))
+            }
+            Self::Word(word) if word == "unknown" => Ok(None),
+            _ => Err(PyValueError::new_err(
+                "start: give (x, y, heading) in metres and radians, or 'unknown'",
+            )),
+        }
+    }
+}
+
+/// A start among landmarks.
+fn landmark_start(start: Option<Pose>, sigma: Option<[f64; 2]>) -> Start {
+    let [sigma_m, sigma_rad] = sigma.unwrap_or(START_SIGMA);
+    match start {
+        None => Start::Unknown,
+        Some(pose) => Start::Known {
+            pose,
+            sigma_m,
+            sigma_rad,
+        },
+    }
+}
+
+/// Refuses standard deviations of a start that cannot be.
+fn check_sigma(sigma: Option<[f64; 2]>) -> PyResult<()> {
+    match sigma {
+        Some([m, rad]) if !((0.0..=100.0).contains(&m) && (0.0..=3.2).contains(&rad)) => {
+            Err(PyValueError::new_err(
+                "start_sigma: give two numbers as in (0.1, 0.05): at most 100 m and pi rad",
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The method that suits a map, or the one that is asked for.
+fn method_of(map: &Map, method: Option<&str>) -> PyResult<Option<Method>> {
+    let refuse = |text: String| Err(PyValueError::new_err(format!("method: {text}")));
+    let of_images = matches!(map, Map::Images(_));
+    let found = match method {
+        None if of_images => Some(Method::Doppler),
+        None | Some("landmarks") => None,
+        Some("doppler") => Some(Method::Doppler),
+        Some("toa-only") => Some(Method::ToaOnly),
+        Some("odometry") => Some(Method::Odometry),
+        Some(other) => {
+            return refuse(format!(
+                "{other:?} is not known; give 'doppler', 'toa-only', 'odometry' or 'landmarks'"
+            ));
+        }
+    };
+    match (found, of_images) {
+        (None, true) => refuse("'landmarks' needs a map built with method='landmarks'".into()),
+        (Some(_), false) => refuse("the map is one of landmarks; leave the method out".into()),
+        (found, _) => Ok(found),
+    }
+}
+
+/// Follows a robot in a known map, period by period.
+///
+/// ``Localizer(map, start=(x, y, heading), parameters=...)``: ``method`` is ``"doppler"``, ``"toa-only"`` or
+/// ``"odometry"`` in a map of images, ``"landmarks"`` in one of landmarks, where ``start`` may be ``"unknown"``.
+/// ``parameters`` are the map's unless given; those of another waveform, rate or air come from
+/// ``Parameters.of_recording``.
+#[pyclass(module = "echolot")]
+pub(crate) struct Localizer {
+    stream: Stream,
+    parameters: localizer::Parameters,
+}
+
+#[pymethods]
+impl Localizer {
+    #[new]
+    #[pyo3(signature = (map, *, start, method = None, start_sigma = None, parameters = None, seed = 0))]
+    fn new(
+        map: &EchoMap,
+        start: StartArgument,
+        method: Option<&str>,
+        start_sigma: Option<[f64; 2]>,
+        parameters: Option<&Parameters>,
+        seed: u64,
+    ) -> PyResult<Self> {
+        check_sigma(start_sigma)?;
+        let start = start.pose()?;
+        let method = method_of(&map.map, method)?;
+        let mut own = match (parameters, map.map.as_ref()) {
+            (Some(given), _) => given.0.clone(),
+            (None, Map::Images(map)) => map.parameters.clone(),
+            (None, Map::Landmarks(map)) => map.parameters.clone(),
+        };
+        let stream = match map.map.as_ref() {
+            Map::Landmarks(map) => {
+                Stream::among_landmarks(&own, map.clone(), &landmark_start(start, start_sigma))
+            }
+            Map::Images(map) => {
+                let Some(start) = start else {
+                    return Err(PyValueError::new_err(
+                        "start: 'unknown' needs a map of landmarks; give (x, y, heading)",
+                    ));
+                };
+                own.filter.method = method.unwrap_or_default();
+                if let Some([m, rad]) = start_sigma {
+                    (own.filter.start_sigma_m, own.filter.start_sigma_rad) = (m, rad);
+                }
+                Stream::by_images(own.clone(), map.clone(), start, seed)
+            }
+        };
+        Ok(Self {
+            stream: stream.map_err(of_library)?,
+            parameters: own,
+        })
+    }
+
+    /// Takes in one period of samples and the mean speed (m/s) and turn rate (rad/s) during it.
+    ///
+    /// ``samples``: float32 ``(samples_per_period,)``. With ``heard=False`` they are a gap of the sound: the estimate
+    /// follows from odometry alone until M whole periods have come in again. Returns ``None`` until M periods have
+    /// come in and, from an unknown start, until the robot moves.
+    #[pyo3(signature = (samples, v, omega, *, heard = true))]
+    fn step(
+        &mut self,
+        py: Python<'_>,
+        samples: &Bound<'_, PyAny>,
+        v: f64,
+        omega: f64,
+        heard: bool,
+    ) -> PyResult<Option<Estimate>> {
+        let samples = contiguous::<f32>(samples, "samples")?;
+        let samples = slice(&samples)?;
+        let odometry = Odometry {
+            v_mps: v,
+            omega_radps: omega,
+        };
+        let stream = &mut self.stream;
+        let told = py
+            .detach(|| stream.step(samples, heard, odometry))
+            .map_err(of_library)?;
+        Ok(told.map(Estimate))
+    }
+
+    /// As ``step`` for many periods at a time: ``samples`` float32 ``(periods * samples_per_period,)``, ``odometry``
+    /// ``(periods, 2)`` of speed and turn rate. Returns one item a period: an estimate or ``None``.
+    fn run(
+        &mut self,
+        py: Python<'_>,
+        samples: &Bound<'_, PyAny>,
+        odometry: &Bound<'_, PyAny>,
+    ) -> PyResult<Vec<Option<Estimate>>> {
+        let samples = contiguous::<f32>(samples, "samples")?;
+        let odometry = contiguous::<f64>(odometry, "odometry")?;
+        let period = self.parameters.samples_per_period();
+        let periods = samples.len() / period;
+        if *odometry.shape() != [periods, 2] {
+            let expected = format!("({periods}, 2): one row for each period of the samples");
+            return Err(shape_error("odometry", odometry.shape(), &expected));
+        }
+        let (samples, odometry) = (slice(&samples)?, slice(&odometry)?);
+        let mut estimates = Vec::with_capacity(periods);
+        let pairs = samples.chunks_exact(period).zip(odometry.chunks_exact(2));
+        for (samples, odometry) in pairs {
+            py.check_signals()?;
+            let odometry = Odometry {
+                v_mps: odometry[0],
+                omega_radps: odometry[1],
+            };
+            let stream = &mut self.stream;
+            let told = py
+                .detach(|| stream.step(samples, true, odometry))
+                .map_err(of_library)?;
+            estimates.push(told.map(Estimate));
+        }
+        Ok(estimates)
+    }
+
+    /// Samples of one period.
+    #[getter]
+    fn samples_per_period(&self) -> usize {
+        self.parameters.samples_per_period()
+    }
+
+    /// Duration of one period in seconds.
+    #[getter]
+    fn period(&self) -> f64 {
+        self.parameters.period_s()
+    }
+}
+
+/// The poses of a whole drive.
+#[pyclass(frozen, module = "echolot")]
+pub(crate) struct Localization {
+    told: Vec<Told>,
+    /// Whether each is to be trusted.
+    sure: Vec<bool>,
+    fit: Vec<f64>,
+    scores: Option<Scores>,
+    coverage: Option<f64>,
+    reading_s: f64,
+    map: Option<Arc<Map>>,
+    wheel_errors: Option<[f64; 2]>,
+}
+
+impl Localization {
+    fn of(recording: &Recording, told: Vec<Told>, sure: Vec<bool>, fit: Vec<f64>) -> Self {
+        let poses: Vec<(f64, Pose)> = told.iter().map(|told| (told.t_s, told.pose)).collect();
+        let truth = recording.recording.truth.as_ref();
+        let found = truth.map(|truth| Scores::of(&poses, truth));
+        Self {
+            told,
+            sure,
+            fit,
+            coverage: found.as_ref().map(|(_, coverage)| *coverage),
+            scores: found.and_then(|(scores, _)| scores),
+            reading_s: recording.reading_s,
+            map: None,
+            wheel_errors: None,
+        }
+    }
+
+    fn track(&self, clock_s: f64) -> Track {
+        Track {
+            t_s: self.told.iter().map(|told| told.t_s + clock_s).collect(),
+            poses: self.told.iter().map(|told| told.pose).collect(),
+        }
+    }
+}
+
+#[pymethods]
+impl Localization {
+    /// Instants of the poses in seconds since the first sample, ``(n,)``.
+    #[getter]
+    fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let times: Vec<f64> = self.told.iter().map(|told| told.t_s).collect();
+        times.into_pyarray(py)
+    }
+
+    /// x and y in metres and the heading in radians, ``(n, 3)``.
+    #[getter]
+    fn poses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        of_poses(py, self.told.iter().map(|told| told.pose))
+    }
+
+    /// Covariance of x, y and heading, ``(n, 3, 3)``.
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
+        let numbers = self.told.iter().flat_map(|told| told.covariance);
+        let numbers: Vec<f64> = numbers.flatten().collect();
+        Array3::from_shape_vec((self.told.len(), 3, 3), numbers)
+            .unwrap_or_default()
+            .into_pyarray(py)
+    }
+
+    /// The poses carried by the wheels to the newest sample of each block, and these instants.
+    #[getter]
+    fn latest<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>) {
+        let times: Vec<f64> = self.told.iter().map(|told| told.latest_s).collect();
+        let poses = of_poses(py, self.told.iter().map(|told| told.latest));
+        (times.into_pyarray(py), poses)
+    }
+
+    /// What each pose rests on, or how far to trust it: see ``Estimate.status``.
+    #[getter]
+    fn status(&self) -> Vec<&'static str> {
+        self.told.iter().map(|told| told.status).collect()
+    }
+
+    /// Whether each pose can be relied on, ``(n,)`` of bool.
+    #[getter]
+    fn sure<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        self.sure.clone().into_pyarray(py)
+    }
+
+    /// How well the echoes fit the map, ``(n,)``: by images in standard deviations over poses around, among landmarks
+    /// the share of the expected echoes that were found.
+    #[getter]
+    fn fit<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.fit.clone().into_pyarray(py)
+    }
+
+    /// Errors against the recording's truth: ``mae_m``, ``rmse_m``, ``p90_m``, ``max_m``, ``final_m``,
+    /// ``heading_mae_rad``; ``None`` without truth.
+    #[getter]
+    fn scores<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.scores
+            .as_ref()
+            .map(|scores| to_python(py, scores))
+            .transpose()
+    }
+
+    /// Share of the poses that the truth covers; ``None`` without truth.
+    #[getter]
+    fn coverage(&self) -> Option<f64> {
+        self.coverage
+    }
+
+    /// The poses as a trajectory on the recording's own clock.
+    #[getter]
+    fn trajectory(&self) -> Trajectory {
+        Trajectory(self.track(0.0))
+    }
+
+    /// The map that ``slam`` made, in the frame of the start; ``None`` of ``localize``, or where no landmark was found.
+    #[getter]
+    fn map(&self) -> Option<EchoMap> {
+        self.map.as_ref().map(|map| EchoMap {
+            map: Arc::clone(map),
+        })
+    }
+
+    /// What the wheels' turn rate (rad/s) and speed (part of it) always lack, by ``slam``.
+    #[getter]
+    fn wheel_errors(&self) -> Option<[f64; 2]> {
+        self.wheel_errors
+    }
+
+    /// Writes the trajectory (TUM), the bytes of ``echolot localize -o``: on the clock of the recording's truth, else
+    /// of its wheels.
+    #[pyo3(signature = (file, *, force = false))]
+    fn save(&self, file: PathBuf, force: bool) -> PyResult<()> {
+        Place::of(&file, force)
+            .file(estimate::is_ours)
+            .and_then(|()| estimate::write(&file, &self.track(self.reading_s)))
+            .map_err(raised)
+    }
+
+    /// Draws path and truth over the map; needs matplotlib. Returns the axes.
+    #[pyo3(signature = (map = None, truth = None, ax = None))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        map: Option<Bound<'py, EchoMap>>,
+        truth: Option<Bound<'py, Trajectory>>,
+        ax: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let draw = slf.py().import("echolot._plot")?.getattr("localization")?;
+        draw.call1((slf, map, truth, ax))
+    }
+
+    fn __len__(&self) -> usize {
+        self.told.len()
+    }
+
+    fn __repr__(&self) -> String {
+        let sure = self.sure.iter().filter(|&&sure| sure).count() as f64;
+        let share = 100.0 * sure / self.sure.len().max(1) as f64;
+        let error = self.scores.as_ref().map_or(String::new(), |scores| {
+            format!(", mean error {:.4} m", scores.mae_m)
+        });
+        format!(
+            "Localization({} poses, sure {share:.0} %{error})",
+            self.told.len()
+        )
+    }
+}
+
+/// Localizes a whole drive, as ``echolot localize``.
+///
+/// ``start`` is ``(x, y, heading)``, ``"unknown"`` (landmarks only) or, unless given, the truth at time 0, the start
+/// of ``recording.json``, or the origin. ``parameters`` are the map's unless given. Raises ``ValueError`` when the
+/// recording holds no echoes; warns when what it says of itself is doubtful.
+#[pyfunction]
+#[pyo3(signature = (recording, map, *, method = None, start = None, start_sigma = None, parameters = None,
+    periods = None, particles = None, window = None, seed = 0))]
+#[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+pub(crate) fn localize(
+    py: Python<'_>,
+    recording: &Recording,
+    map: &EchoMap,
+    method: Option<&str>,
+    start: Option<StartArgument>,
+    start_sigma: Option<[f64; 2]>,
+    parameters: Option<&Parameters>,
+    periods: Option<usize>,
+    particles: Option<usize>,
+    window: Option<f64>,
+    seed: u64,
+) -> PyResult<Localization> {
+    check_sigma(start_sigma)?;
+    let method = method_of(&map.map, method)?;
+    let known = recording.recording.known_start();
+    let start = match &start {
+        Some(start) => start.pose()?,
+        None => Some(known.unwrap_or_default()),
+    };
+    let base = parameters.map(|given| given.0.clone());
+    let (own, shared, name) = (
+        Arc::clone(&recording.recording),
+        Arc::clone(&map.map),
+        recording.name.clone(),
+    );
+    let mut warnings = Warnings::default();
+    warnings.extend(changed(&name));
+    if method.is_none() && (particles.is_some() || window.is_some()) {
+        return Err(PyValueError::new_err(
+            "particles, window: are for maps of images; leave them out",
+        ));
+    }
+    if method.is_some() && start.is_none() {
+        return Err(PyValueError::new_err(
+            "start: 'unknown' needs a map of landmarks; give (x, y, heading)",
+        ));
+    }
+    let (told, sure, fit, warnings) = background::run(py, None, move |_| {
+        let drive = Drive::loaded(&own, &name);
+        match shared.as_ref() {
+            Map::Images(map) => {
+                let mut parameters = localization::image_parameters(
+                    base.as_ref(),
+                    map,
+                    &drive,
+                    method.unwrap_or_default(),
+                );
+                let filter = &mut parameters.filter;
+                filter.particles = particles.unwrap_or(filter.particles);
+                filter.window_half_width_m = window.unwrap_or(filter.window_half_width_m);
+                if let Some([m, rad]) = start_sigma {
+                    (filter.start_sigma_m, filter.start_sigma_rad) = (m, rad);
+                }
+                let measurement = &mut parameters.measurement;
+                measurement.periods = periods.unwrap_or(measurement.periods);
+                parameters.check()?;
+                warnings.extend(contradictions(&map.parameters, &parameters));
+                let begin = (start.unwrap_or_default(), seed);
+                let found =
+                    localization::by_images(&drive, map, &parameters, begin, &mut warnings)?;
+                let told = found.estimates.iter();
+                Ok((
+                    told.map(|one| Told::of_images(one, &parameters)).collect(),
+                    found.fits.iter().map(|fit| fit.sure).collect(),
+                    found.fits.iter().map(|fit| fit.fit).collect(),
+                    warnings,
+                ))
+            }
+            Map::Landmarks(map) => {
+                let base = base.as_ref().unwrap_or(&map.parameters);
+                let mut parameters = base.for_recording(drive.meta());
+                let measurement = &mut parameters.measurement;
+                measurement.periods = periods.unwrap_or(measurement.periods);
+                parameters.check()?;
+                let start = landmark_start(start, start_sigma);
+                let found =
+                    localization::among_landmarks(&drive, map, &parameters, &start, &mut warnings)?;
+                Ok((
+                    found.iter().map(Told::from).collect::<Vec<_>>(),
+                    found
+                        .iter()
+                        .map(|one| one.status == landmarks::Status::Sure)
+                        .collect::<Vec<_>>(),
+                    found.iter().map(|one| one.fit).collect::<Vec<_>>(),
+                    warnings,
+                ))
+            }
+        }
+    })?;
+    warn(py, warnings)?;
+    Ok(Localization::of(recording, told, sure, fit))
+}
+
+/// Estimates a drive and a map of landmarks at once, without map and truth, as ``echolot slam``.
+///
+/// The map's frame is that of the start: ``start``, the truth at time 0, the start of ``recording.json``, or the
+/// origin. Truth serves nothing else but ``scores``. Poses that are not to be trusted are ``"lost"``.
+#[pyfunction]
+#[pyo3(signature = (recording, *, start, periods, parameters, progress))]
+pub(crate) fn slam(
+    py: Python<'_>,
+    recording: &Recording,
+    start: Option<[f64; 3]>,
+    periods: Option<usize>,
+    parameters: Option<&Parameters>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Localization> {
+    let mut own = parameters.map_or_else(localizer::Parameters::default, |given| given.0.clone());
+    if parameters.is_none() {
+        own.measurement.periods = landmarks::PERIODS;
+    }
+    own.measurement.periods = periods.unwrap_or(own.measurement.periods);
+    let own = own.for_recording(&recording.recording.meta);
+    let start = match start {
+        Some(numbers) => StartArgument::Pose(numbers).pose()?.unwrap_or_default(),
+        None => recording.recording.start_pose(),
+    };
+    let (sound, name) = (Arc::clone(&recording.recording), recording.name.clone());
+    let (drive, warnings) = background::run(py, progress, move |control| {
+        let mut warnings = Warnings::default();
+        let drive = Drive::loaded(&sound, &name);
+        let found =
+            localization::without_map(&drive, &own, start, &mut warnings, &mut |done, all| {
+                control.set(done, all);
+                Ok(control.check()?)
+            })?;
+        Ok((found, warnings))
+    })?;
+    warn(py, warnings)?;
+    let estimates = &drive.estimates;
+    let sure = estimates
+        .iter()
+        .map(|one| one.status == landmarks::Status::Sure);
+    let found = Localization::of(
+        recording,
+        estimates.iter().map(Told::from).collect(),
+        sure.collect(),
+        estimates.iter().map(|one| one.fit).collect(),
+    );
+    Ok(Localization {
+        map: drive.map.map(|map| Arc::new(Map::Landmarks(map))),
+        wheel_errors: Some(drive.wheel_errors),
+        ..found
+    })
+}
+
+/// Pairs of estimated and true poses at the estimates' times, each ``(n, 3)``.
+#[pyfunction]
+pub(crate) fn associated<'py>(
+    py: Python<'py>,
+    estimate: &Trajectory,
+    truth: &Trajectory,
+) -> (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>) {
+    let track = &estimate.0;
+    let poses: Vec<(f64, Pose)> = track
+        .t_s
+        .iter()
+        .copied()
+        .zip(track.poses.iter().copied())
+        .collect();
+    let pairs = experiments::scores::associated(&poses, &truth.0);
+    (
+        of_poses(py, pairs.iter().map(|pair| pair.0)),
+        of_poses(py, pairs.iter().map(|pair| pair.1)),
+    )
+}
+
+/// Errors of pairs of poses in metres: distances, those after alignment, or of the ways from pose to pose.
+#[pyfunction]
+pub(crate) fn errors<'py>(
+    py: Python<'py>,
+    kind: &str,
+    estimate: &Trajectory,
+    truth: &Trajectory,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    use experiments::ape_rpe::{aligned_errors_m, relative_errors_m};
+    let track = &estimate.0;
+    let poses: Vec<(f64, Pose)> = track
+        .t_s
+        .iter()
+        .copied()
+        .zip(track.poses.iter().copied())
+        .collect();
+    let pairs = experiments::scores::associated(&poses, &truth.0);
+    if pairs.len() < 2 {
+        return Err(PyValueError::new_err(format!(
+            "truth: covers {} of {} poses; give trajectories on the same clock",
+            pairs.len(),
+            poses.len()
+        )));
+    }
+    let (ours, theirs): (Vec<Pose>, Vec<Pose>) = pairs.into_iter().unzip();
+    let errors = match kind {
+        "aligned" => aligned_errors_m(&ours, &theirs),
+        "relative" => relative_errors_m(&ours, &theirs),
+        _ => ours
+            .iter()
+            .zip(&theirs)
+            .map(|(a, b)| a.distance_m(b))
+            .collect(),
+    };
+    Ok(errors.into_pyarray(py))
+}

@@ -68,7 +68,7 @@ $(PYTHON):
 python: $(PYTHON) ## the Python package, in a virtual environment (target/python)
 	$(PYTHON) -m pip install --quiet './python[plot]'
 
-python-test: $(PYTHON) ## its tests, examples, notebooks, lints and types
+python-test: $(PYTHON) ## its tests, examples, notebooks, lints, types; EXTRAS=test,interchange adds other packages
 	cargo clippy --release -p echolot-python -- -D warnings
-	$(PYTHON) -m pip install --quiet './python[test]'
+	$(PYTHON) -m pip install --quiet './python[$(or $(EXTRAS),test)]'
 	cd python && ../$(PYTHON) -m pytest

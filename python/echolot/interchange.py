@@ -1,4 +1,4 @@
-"""To and from other packages: ``xarray``, plain dictionaries, ``pyroomacoustics``.
+"""To and from other packages: ``xarray``, plain dictionaries, ``pyroomacoustics``, ``k-wave-python``.
 
 Trajectories go to ``evo`` and ROS tools as TUM files: ``Trajectory.save`` and ``Trajectory.load``.
 """
@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._echolot import Recording, Scene
+from ._echolot import Field, Recording, Scene
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["recording_to_dict", "recording_to_xarray", "scene_of_shoebox"]
+__all__ = ["recording_to_dict", "recording_to_xarray", "run_kwave", "scene_of_shoebox"]
 
 MARGIN_M = 0.4
 """Air around the walls of a room: absorbing layer and stencils."""
@@ -75,3 +75,56 @@ def scene_of_shoebox(room: Any, *, dx: float = 0.005, name: str = "shoebox", **f
         "walls": [{"points_m": corners, "thickness_m": 2 * half}],
     }
     return Scene.from_dict(own | fields)
+
+
+def run_kwave(kgrid: Any, medium: Any, source: Any, sensor: Any, *, scheme: str = "m13") -> dict[str, Any]:
+    """Runs what was written for k-Wave's ``kspaceFirstOrder`` on a ``Field``: ``{"p": (sensors, times)}`` in Pa.
+
+    ``kgrid``, ``medium``, ``source`` and ``sensor`` are those of ``k-wave-python``, in two dimensions: a homogeneous
+    medium without absorption, ``source.p`` (added, without correction) at the points of ``source.p_mask``, and
+    ``sensor.mask`` of points, which come in the order of k-Wave. The absorbing layer lies outside of the grid.
+
+    Raises ``ValueError`` for what a ``Field`` does not have.
+    """
+    size, spacing = (np.asarray(values, dtype=float).ravel() for values in (kgrid.N, kgrid.spacing))
+    dx, dt, times = float(spacing[0]), float(kgrid.dt), int(kgrid.Nt)
+    if len(size) != 2 or not np.allclose(spacing, dx):
+        raise ValueError("kgrid: is not of square cells in two dimensions; make it so")
+    c, rho = (np.unique(np.asarray(value, dtype=float)) for value in (medium.sound_speed, medium.density or 1000.0))
+    if len(c) != 1 or len(rho) != 1 or getattr(medium, "alpha_coeff", None) is not None:
+        raise ValueError("medium: is not homogeneous, or absorbs; give one sound_speed and density, and no alpha_coeff")
+    if getattr(source, "p", None) is None or getattr(source, "p_mode", "additive") not in (
+        "additive",
+        "additive-no-correction",
+    ):
+        raise ValueError("source: has no p that is added; give p, p_mask and p_mode 'additive'")
+    # As many cells as the layer and the stencils take, around k-Wave's.
+    margin = 32
+    cells = [8 * -(-int(side + 2 * margin) // 8) for side in size]
+    # No code is sent, but a scene has one: any that the grid holds.
+    carrier = float(c[0]) / dx / 6.5
+    scene = Scene.from_dict(
+        {
+            "name": "k-Wave",
+            "medium": {"c_mps": float(c[0]), "rho_kgpm3": float(rho[0])},
+            "grid": {"nx": cells[0], "ny": cells[1], "dx_m": dx, "dt_s": dt},
+            "layer_cells": 24,
+            "scheme": scheme,
+            "spread": "bilinear",
+            "sample_rate_hz": 6 * carrier,
+            "waveform": {"carrier_hz": carrier, "chip_rate_hz": carrier, "band_hz": [0, 1.9 * carrier]},
+        }
+    )
+
+    def places(mask: Any) -> Any:
+        return (np.argwhere(np.asarray(mask) != 0) + margin + 0.5) * dx
+
+    sources = places(source.p_mask)
+    signal: Any = np.zeros((times, len(sources)))
+    given = np.atleast_2d(np.asarray(source.p, dtype=float))
+    signal[: given.shape[1]] = given.T[:times]
+    # k-Wave adds 2 c dt / dx times p to the pressure, a source of strength q adds rho c^2 dt / dx^2 times q.
+    # It adds half a step earlier: the mean of two neighbours has the phase in between.
+    signal = 0.5 * (signal + np.roll(signal, -1, axis=0))
+    strengths = signal * 2 * dx / (float(rho[0]) * float(c[0]))
+    return {"p": Field(scene).run(strengths, sources, places(sensor.mask)).T}

@@ -11,7 +11,8 @@ def instantaneous_frequency(signal: NDArray[np.float32], rate: float) -> NDArray
     spectrum = np.fft.fft(signal)
     spectrum[len(signal) // 2 :] = 0.0
     phase = np.unwrap(np.angle(np.fft.ifft(2 * spectrum)))
-    return np.gradient(phase) * rate / (2 * np.pi)
+    frequency: NDArray[np.float64] = np.gradient(phase) * rate / (2 * np.pi)
+    return frequency
 
 
 def main() -> None:

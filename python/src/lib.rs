@@ -3,6 +3,7 @@
 //!
 //! What Python sees is described in `echolot/_echolot.pyi`; what takes long runs in [`background`], what is large is
 //! lent by [`view`].
+#![deny(unsafe_code)]
 
 mod arrays;
 mod background;

@@ -40,7 +40,7 @@ test: ## all tests
 
 check: ## formatting, lints, tests
 	cargo fmt --all --check
-	cargo clippy --release --all-targets -- -D warnings
+	cargo clippy --release --workspace --all-targets -- -D warnings
 	cargo test --release
 
 fuzz: ## mutated files for every parser, INPUTS=1000000 each
@@ -68,7 +68,6 @@ $(PYTHON):
 python: $(PYTHON) ## the Python package, in a virtual environment (target/python)
 	$(PYTHON) -m pip install --quiet './python[plot]'
 
-python-test: $(PYTHON) ## its tests, examples, notebooks, lints, types; EXTRAS=test,interchange adds other packages
-	cargo clippy --release -p echolot-python -- -D warnings
+python-test: $(PYTHON) ## its tests, examples, notebooks, types; EXTRAS=test,interchange adds other packages
 	$(PYTHON) -m pip install --quiet './python[$(or $(EXTRAS),test)]'
 	cd python && ../$(PYTHON) -m pytest

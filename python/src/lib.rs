@@ -1,8 +1,8 @@
 //! The compiled part of the Python package `echolot`: classes and functions over the libraries, with their words and
 //! their bytes.
 //!
-//! What Python sees is described in `lib/echolot/_echolot.pyi`; what takes long runs in [`background`], what is large is
-//! lent by [`view`].
+//! What Python sees is described in `lib/echolot/_echolot.pyi`; what takes long runs in [`background`], what is large
+//! is lent by [`view`].
 #![deny(unsafe_code)]
 
 mod arrays;

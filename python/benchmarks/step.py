@@ -18,21 +18,26 @@ def main() -> None:
         known = echolot.EchoMap.build([mapping], method=method)
         odometry = drive.odometry_per_period()
         seconds: dict[str, list[float]] = {"Rust": [], "Python": []}
-        for _ in range(7):
-            # The same loop, inside of the library and outside.
-            stream = echolot.Localizer(known, start=start)
-            length = stream.samples_per_period
-            sound = np.asarray(drive.signal[: len(odometry) * length])
-            began = time.perf_counter()
+        length = known.parameters.samples_per_period
+        sound = np.asarray(drive.signal[: len(odometry) * length])
+
+        def rust(stream: echolot.Localizer) -> None:
             stream.run(sound, odometry)
-            seconds["Rust"].append(time.perf_counter() - began)
-            stream = echolot.Localizer(known, start=start)
-            began = time.perf_counter()
+
+        def python(stream: echolot.Localizer) -> None:
             for samples, (v, omega) in zip(sound.reshape(-1, length), odometry, strict=True):
                 stream.step(samples, v, omega)
-            seconds["Python"].append(time.perf_counter() - began)
-        rust, python = (1e3 * statistics.median(seconds[name]) / len(odometry) for name in ("Rust", "Python"))
-        print(f"{method}: {rust:.3f} ms a step from Rust, {python:.3f} ms from Python: {python / rust:.3f} times")
+
+        # The same loop, inside of the library and outside, by turns.
+        loops = (("Rust", rust), ("Python", python))
+        for turn in range(8):
+            for name, loop in loops if turn % 2 else loops[::-1]:
+                stream = echolot.Localizer(known, start=start)
+                began = time.perf_counter()
+                loop(stream)
+                seconds[name].append(time.perf_counter() - began)
+        of_rust, of_python = (1e3 * statistics.median(seconds[name]) / len(odometry) for name in ("Rust", "Python"))
+        print(f"{method}: {of_rust:.3f} ms a step from Rust, {of_python:.3f} from Python: {of_python / of_rust:.3f} times")
 
 
 if __name__ == "__main__":

@@ -35,7 +35,9 @@ def test_a_field_gives_what_kwave_gives(c: float, rho: float, dx: float) -> None
     mask[40, 50] = mask[70, 80] = 1
     ears[90, 50] = ears[30, 90] = ears[64, 20] = 1
     k = np.arange(steps)
-    pulses = [gain * (1 - 2 * ((k - k0) / 15) ** 2) * np.exp(-(((k - k0) / 15) ** 2)) for gain, k0 in ((1, 50), (-0.5, 66))]
+    pulses = [
+        gain * (1 - 2 * ((k - k0) / 15) ** 2) * np.exp(-(((k - k0) / 15) ** 2)) for gain, k0 in ((1, 50), (-0.5, 66))
+    ]
     source, sensor = kSource(), kSensor(mask=ears)
     source.p_mask, source.p, source.p_mode = mask, np.stack(pulses), "additive-no-correction"
     sensor.record = ["p"]

@@ -8,7 +8,7 @@ use localizer::echo::block_stream::EachBlock;
 use localizer::io::recording_source::RecordingSource;
 use localizer::odometry::OdometrySample;
 use localizer::recording::RecordingMeta;
-use localizer::{Error, Parameters, Pose, Recording, Trajectory, echo, quality};
+use localizer::{Error, Parameters, Recording, Trajectory, echo, quality};
 
 /// Sound and logs of a drive, and the name under which errors speak of it.
 pub struct Drive<'a> {
@@ -61,27 +61,6 @@ impl<'a> Drive<'a> {
             Sound::Folder(source) => &source.odometry,
             Sound::Loaded(recording) => &recording.odometry,
         }
-    }
-
-    /// Duration of the sound in seconds.
-    pub fn duration_s(&self) -> f64 {
-        match self.sound {
-            Sound::Folder(source) => source.duration_s(),
-            Sound::Loaded(recording) => recording.duration_s(),
-        }
-    }
-
-    /// Pose at time 0: the truth's, else that of `recording.json`, else none.
-    pub fn known_start(&self) -> Option<Pose> {
-        match self.sound {
-            Sound::Folder(source) => source.known_start(),
-            Sound::Loaded(recording) => recording.known_start(),
-        }
-    }
-
-    /// As [`Self::known_start`], the origin where there is none.
-    pub fn start_pose(&self) -> Pose {
-        self.known_start().unwrap_or_default()
     }
 
     /// Refuses a dead microphone, see [`quality::check_signal`].

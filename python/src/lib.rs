@@ -12,6 +12,7 @@ mod error;
 mod field;
 mod localization;
 mod map;
+mod metrics;
 mod parameters;
 mod recording;
 mod scene;
@@ -37,8 +38,8 @@ fn _echolot(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<study::Study>()?;
     module.add_class::<field::Field>()?;
     module.add_class::<trajectory::Trajectory>()?;
-    module.add_function(wrap_pyfunction!(localization::associated, module)?)?;
-    module.add_function(wrap_pyfunction!(localization::errors, module)?)?;
+    module.add_function(wrap_pyfunction!(metrics::associated, module)?)?;
+    module.add_function(wrap_pyfunction!(metrics::errors, module)?)?;
     module.add_function(wrap_pyfunction!(localization::localize, module)?)?;
     module.add_function(wrap_pyfunction!(localization::slam, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;

@@ -9,17 +9,17 @@ help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
 
 sim-experiments: ## simulate and reproduce the paper's studies in the paper's size (results/paper)
-	$(ECHOLOT) run --preset paper
+	$(ECHOLOT) run studies/papers/paper.json
 
-sim-quick: ## the same chain in a small scene (results/quick)
-	$(ECHOLOT) run --preset quick
+sim-quick: ## the same chain in a small scene, and all methods by image sources (results/quick, results/methods)
+	$(ECHOLOT) run studies/quick
 
 sim-ensemble: ## in what share of 100 random layouts the claims hold, by image sources (results/ensemble)
 	$(ECHOLOT) run studies/papers/ensemble.json
 
 figures: ## redraw all figures from the data files, without computing anything
-	@for preset in paper quick; do \
-		if [ -d results/$$preset/data ]; then $(ECHOLOT) figures --preset $$preset || exit 1; fi; \
+	@for folder in paper quick methods bench; do \
+		if [ -d results/$$folder ]; then $(ECHOLOT) figures results/$$folder || exit 1; fi; \
 	done
 	@if [ -d results/validation/data ]; then $(ECHOLOT) validate --figures-only; fi
 
@@ -30,7 +30,7 @@ validate: ## compare the field with laws of physics, all cases (results/validati
 	$(ECHOLOT) validate --full
 
 claims: ## compare the summary with the papers' claims (results/paper/report.md, tables of README.md)
-	$(ECHOLOT) check --preset paper --into README.md
+	$(ECHOLOT) check studies/papers/paper.json --into README.md
 
 reference: ## the command line as a page of the documents (docs/reference/command-line.md)
 	$(ECHOLOT) reference -o docs/reference/command-line.md
@@ -58,7 +58,7 @@ bench: ## benchmarks and the speed of the engines (results/bench); BENCH="--meas
 	$(ECHOLOT) bench
 
 bless: ## make the present quick results the baseline of the regression gate
-	$(ECHOLOT) check --preset quick --bless
+	$(ECHOLOT) check studies/quick --bless
 
 PYTHON = target/python/bin/python
 

@@ -190,7 +190,7 @@ fn lines_are_short() {
 #[test]
 fn claims_are_current() {
     let results = root().join("results");
-    let summary = |preset: &str| Summary::read(&results.join(preset).join("summary.json")).unwrap();
+    let summary = |name: &str| Summary::read(&results.join(name).join("summary.json")).unwrap();
     let (paper, quick) = (summary("paper"), summary("quick"));
     let targets = Targets::load().unwrap();
     let judged = judge(&targets, &paper).unwrap();

@@ -1,4 +1,4 @@
-//! Regression gate: a summary against a committed baseline.
+//! Regression gate: the errors of a summary against those of a committed baseline.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::data::table::aligned;
 use crate::data::{atomic, json};
 use crate::metrics::Accuracy;
-use crate::run::preset::Preset;
+use crate::study::{CellScores, StudySummary};
 use crate::summary::Summary;
 
 /// Share by which an error may grow beyond the mean of the baseline.
@@ -22,8 +22,9 @@ const ROUNDING_M: f64 = 1e-5;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Baseline {
-    /// The preset.
-    pub preset: Preset,
+    /// Name of the study.
+    #[serde(alias = "preset")]
+    pub name: String,
     /// Revision it was taken from.
     pub commit: String,
     /// Accuracies by name.
@@ -90,12 +91,33 @@ fn measures(summary: &Summary) -> Vec<Measure> {
 }
 
 impl Baseline {
-    /// The baseline that `summary` becomes.
+    /// The errors of the papers' studies.
     pub fn of(summary: &Summary) -> Self {
         Self {
-            preset: summary.preset,
+            name: summary.name.clone(),
             commit: summary.provenance.commit.clone(),
             measures: measures(summary),
+        }
+    }
+
+    /// The errors of a study: one of every cell and method that gave poses in all trials.
+    pub fn of_study(summary: &StudySummary) -> Self {
+        let measure = |scores: &CellScores| -> Option<Measure> {
+            let method = scores.method.name();
+            let name = match scores.labels.is_empty() {
+                true => method.to_string(),
+                false => format!("{method}, {}", scores.cell),
+            };
+            (scores.failed == 0).then_some(Measure {
+                name,
+                mae_m: *scores.mean.get("mae_m")?,
+                interval_m: *scores.interval.get("mae_m")?,
+            })
+        };
+        Self {
+            name: summary.study.name.clone(),
+            commit: summary.provenance.commit.clone(),
+            measures: summary.cells.iter().filter_map(measure).collect(),
         }
     }
 
@@ -103,34 +125,33 @@ impl Baseline {
     ///
     /// # Errors
     /// When the file cannot be read, or [`Baseline::check`] refuses it.
-    pub fn read(path: &Path, preset: Preset) -> Result<Self> {
+    pub fn read(path: &Path, name: &str) -> Result<Self> {
         let text = std::fs::read_to_string(path)
             .with_context(|| format!("{}: no baseline; make one with --bless", path.display()))?;
-        Self::parse(&text, path, preset)
+        Self::parse(&text, path, name)
     }
 
     /// Reads the text of a baseline; errors name `origin`.
     ///
     /// # Errors
     /// As [`Baseline::read`].
-    pub fn parse(text: &str, origin: &Path, preset: Preset) -> Result<Self> {
+    pub fn parse(text: &str, origin: &Path, name: &str) -> Result<Self> {
         let baseline: Self = json::parse(text, origin)?;
-        baseline.check(origin, preset)?;
+        baseline.check(origin, name)?;
         Ok(baseline)
     }
 
-    /// Refuses a baseline against which nothing could fail: of another preset, without measures, or with numbers that
+    /// Refuses a baseline against which nothing could fail: of another study, without measures, or with numbers that
     /// no drive gives.
     ///
     /// # Errors
     /// One that names `origin` and the measure.
-    pub fn check(&self, origin: &Path, preset: Preset) -> Result<()> {
+    pub fn check(&self, origin: &Path, name: &str) -> Result<()> {
         let origin = origin.display();
-        if self.preset != preset {
+        if self.name != name {
             bail!(
-                "{origin}: preset: is {}, the summary is of {}; give the baseline of that preset",
-                self.preset.name(),
-                preset.name()
+                "{origin}: name: is {}, the summary is of {name}; give the baseline of that study",
+                self.name,
             );
         }
         if self.measures.is_empty() {
@@ -170,16 +191,14 @@ impl Baseline {
         atomic::write(path, text.as_bytes())
     }
 
-    /// Verdicts on `summary`: a measure fails when its error lies above the interval of the baseline and above its mean
-    /// by more than 10 %, or when it is missing.
-    pub fn judge(&self, summary: &Summary) -> Vec<Verdict> {
-        let now = measures(summary);
+    /// Verdicts on the errors of `now`: a measure fails when its error lies above the interval of the baseline and
+    /// above its mean by more than 10 %, or when it is missing.
+    pub fn judge(&self, now: &Self) -> Vec<Verdict> {
         self.measures
             .iter()
             .map(|measure| {
                 let limit_m = measure.interval_m[1].max((1.0 + TOLERANCE) * measure.mae_m);
-                let now_m = now
-                    .iter()
+                let now_m = (now.measures.iter())
                     .find(|other| other.name == measure.name)
                     .map(|other| other.mae_m);
                 Verdict {
@@ -228,7 +247,7 @@ mod tests {
                 .collect();
             Accuracy::over(&trials)
         };
-        let mut summary = Summary::new(Preset::Quick);
+        let mut summary = Summary::named("quick");
         summary.odometry_drift = Some(Methods {
             doppler: accuracy(doppler),
             toa_only: accuracy(&[0.1]),
@@ -241,20 +260,20 @@ mod tests {
     fn a_baseline_that_cannot_fail_is_refused() {
         let good = Baseline::of(&summary(&[0.04, 0.05, 0.06]));
         let origin = Path::new("quick.json");
-        good.check(origin, Preset::Quick).unwrap();
-        let refused = |baseline: &Baseline, preset, word: &str| {
-            let message = format!("{:#}", baseline.check(origin, preset).unwrap_err());
+        good.check(origin, "quick").unwrap();
+        let refused = |baseline: &Baseline, name, word: &str| {
+            let message = format!("{:#}", baseline.check(origin, name).unwrap_err());
             assert!(
                 message.contains("quick.json") && message.contains(word),
                 "{message}"
             );
         };
-        refused(&good, Preset::Paper, "preset");
+        refused(&good, "paper", "name");
         let empty = Baseline {
             measures: Vec::new(),
             ..good.clone()
         };
-        refused(&empty, Preset::Quick, "there are none");
+        refused(&empty, "quick", "there are none");
         for (mae_m, interval_m) in [
             (-0.1, [-0.2, 0.1]),
             (1e30, [0.0, 1e30]),
@@ -266,22 +285,22 @@ mod tests {
             let mut bad = good.clone();
             bad.measures[1].mae_m = mae_m;
             bad.measures[1].interval_m = interval_m;
-            refused(&bad, Preset::Quick, "drift toa-only");
+            refused(&bad, "quick", "drift toa-only");
         }
         let mut twice = good.clone();
         twice.measures.push(twice.measures[0].clone());
-        refused(&twice, Preset::Quick, "twice");
+        refused(&twice, "quick", "twice");
     }
 
     #[test]
     fn only_a_clear_loss_fails() {
         let baseline = Baseline::of(&summary(&[0.04, 0.05, 0.06]));
-        let passed = |now: &[f64]| baseline.judge(&summary(now))[0].passed;
+        let passed = |now: &[f64]| baseline.judge(&Baseline::of(&summary(now)))[0].passed;
         assert!(passed(&[0.05]));
         assert!(passed(&[0.01]));
         assert!(passed(&[0.055]), "within 10 %");
         assert!(!passed(&[0.08]));
-        let verdicts = baseline.judge(&Summary::new(Preset::Quick));
+        let verdicts = baseline.judge(&Baseline::of(&Summary::named("quick")));
         assert!(
             verdicts.iter().all(|verdict| !verdict.passed),
             "missing measures fail"

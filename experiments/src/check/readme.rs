@@ -159,12 +159,11 @@ pub fn insert(file: &Path, blocks: &[Block]) -> Result<()> {
 mod tests {
     use super::*;
     use crate::check::verdicts::judge;
-    use crate::run::preset::Preset;
 
     #[test]
     fn blocks_replace_the_text_between_their_marks() {
         let targets = Targets::load().unwrap();
-        let summary = Summary::new(Preset::Paper);
+        let summary = Summary::named("paper");
         let judged = judge(&targets, &summary).unwrap();
         let blocks = || [claims(&targets, &judged), commands(None, &summary)];
         let folder = tempfile::tempdir().unwrap();

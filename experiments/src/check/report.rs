@@ -72,9 +72,8 @@ pub fn table(judged: &[Judged]) -> String {
 pub fn markdown(targets: &Targets, judged: &[Judged], summary: &Summary) -> String {
     let cell = |text: &str| text.replace('|', "\\|");
     let mut text = format!(
-        "# The papers' claims\n\nWritten by `echolot check --preset {}` from `summary.json` (revision {}) and\n\
+        "# The papers' claims\n\nWritten by `echolot check` from `summary.json` (revision {}) and\n\
          `experiments/targets.json`; do not edit.\n\n{}.\n",
-        summary.preset.name(),
         summary.provenance.commit,
         count(judged)
     );
@@ -138,12 +137,11 @@ pub fn write(folder: &Path, targets: &Targets, judged: &[Judged], summary: &Summ
 mod tests {
     use super::*;
     use crate::check::verdicts::judge;
-    use crate::run::preset::Preset;
 
     #[test]
     fn the_report_names_every_claim_and_paper() {
         let targets = Targets::load().unwrap();
-        let summary = Summary::new(Preset::Paper);
+        let summary = Summary::named("paper");
         let judged = judge(&targets, &summary).unwrap();
         let folder = tempfile::tempdir().unwrap();
         write(folder.path(), &targets, &judged, &summary).unwrap();

@@ -186,7 +186,6 @@ fn find(target: &Target, summary: &Value, path: &str, bound: Bound) -> Option<Fi
 mod tests {
     use super::*;
     use crate::metrics::Accuracy;
-    use crate::run::preset::Preset;
     use crate::summary::{Methods, WindowCell};
 
     fn accuracy(mae_m: f64) -> Accuracy {
@@ -229,7 +228,7 @@ mod tests {
     #[test]
     fn an_empty_summary_reproduces_nothing() {
         let targets = Targets::load().unwrap();
-        let judged = judge(&targets, &Summary::new(Preset::Paper)).unwrap();
+        let judged = judge(&targets, &Summary::named("paper")).unwrap();
         assert!(
             judged.iter().all(|judged| {
                 matches!(judged.verdict, Verdict::NotRun | Verdict::CannotBeTested)
@@ -239,7 +238,7 @@ mod tests {
 
     #[test]
     fn only_a_verdict_that_changed_is_told() {
-        let judged = judge(&Targets::load().unwrap(), &Summary::new(Preset::Paper)).unwrap();
+        let judged = judge(&Targets::load().unwrap(), &Summary::named("paper")).unwrap();
         let known = Verdicts::of(&judged);
         assert!(known.changed(&judged).is_empty());
         let mut other = judged.clone();
@@ -256,7 +255,7 @@ mod tests {
 
     #[test]
     fn verdicts_follow_the_numbers() {
-        let mut summary = Summary::new(Preset::Paper);
+        let mut summary = Summary::named("paper");
         summary.odometry_drift = Some(Methods {
             doppler: accuracy(0.03),
             toa_only: accuracy(0.05),

@@ -1,39 +1,56 @@
 //! `echolot figures`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 
 use super::output::{print, print_json};
-use crate::figures::{Drawn, draw_all, draw_bench};
-use crate::run::preset::Preset;
+use crate::figures::{Drawn, draw_all, draw_bench, study};
+use crate::study::{Study, StudySummary};
 
 /// Arguments of `figures`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  echolot figures --preset paper\n\n\
-    Figures are drawn from the data files alone; nothing is simulated or localized.")]
+#[command(
+    after_help = "Example:\n  echolot figures results/paper results/bench\n\n\
+    Figures are drawn from the data files alone; nothing is simulated or localized."
+)]
 pub(crate) struct Arguments {
-    /// Preset whose figures are drawn.
-    #[arg(long, value_enum, default_value_t = Preset::Paper)]
-    preset: Preset,
-    /// Folder of the results.
-    #[arg(long, value_name = "DIR", default_value = "results")]
-    results: PathBuf,
+    /// Folders of results: of studies, or of `echolot bench`.
+    #[arg(required = true, value_name = "RESULTS")]
+    results: Vec<PathBuf>,
+}
+
+/// Draws what a folder of results has data for.
+fn draw(folder: &Path) -> Result<Vec<Drawn>> {
+    if let Some(picture) = draw_bench(folder)? {
+        return Ok(vec![Drawn::Picture(picture)]);
+    }
+    if !folder.join("data").is_dir() {
+        bail!(
+            "{}: data: is missing; name a folder of results that `echolot run` wrote",
+            folder.display()
+        );
+    }
+    match StudySummary::read(&folder.join("summary.json")) {
+        Ok(summary) => {
+            let of = Study::of_results(&summary.study);
+            let of = of.with_context(|| folder.display().to_string())?;
+            Ok(study::draw(&of, folder)?
+                .into_iter()
+                .map(Drawn::Picture)
+                .collect())
+        }
+        Err(_) => draw_all(folder),
+    }
 }
 
 impl Arguments {
     /// Runs the command.
     pub(crate) fn run(self, json: bool) -> Result<()> {
-        let folder = self.results.join(self.preset.name());
-        if !folder.join("data").is_dir() {
-            bail!(
-                "{}: data: is missing; run `echolot run --preset {}` first",
-                folder.display(),
-                self.preset.name()
-            );
+        let mut drawn = Vec::new();
+        for folder in &self.results {
+            drawn.extend(draw(folder)?);
         }
-        let mut drawn = draw_all(&folder)?;
-        drawn.extend(draw_bench(&self.results.join("bench"))?.map(Drawn::Picture));
         if json {
             let pictures: Vec<_> = drawn
                 .iter()

@@ -22,6 +22,7 @@ mod scene;
 mod simulate;
 mod slam;
 mod study;
+mod study_files;
 mod tasks;
 mod track;
 mod transmit;
@@ -37,7 +38,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 #[command(
     name = "echolot",
     version,
-    after_help = "Example:\n  echolot run --preset quick && echolot check --preset quick"
+    after_help = "Example:\n  echolot run studies/quick && echolot check studies/quick"
 )]
 pub struct Cli {
     /// Print results as JSON on standard output.

@@ -4,20 +4,21 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
+use serde_json::Value;
 
-use super::arguments::{ForceArgument, ParameterArguments, threads};
+use super::arguments::{ForceArgument, threads};
 use super::output::{print, print_json};
+use super::study_files::{Loaded, files};
 use crate::check::report;
 use crate::check::targets::Targets;
 use crate::check::verdicts::judge;
 use crate::data::place::Place;
 use crate::figures;
-use crate::papers::{PaperSession, Request, STUDIES, Study as PaperStudy, run};
+use crate::papers::{self, PaperSession, Papers};
 use crate::recordings::spec::{Engine, IMAGE_ORDER};
-use crate::run::preset::Preset;
 use crate::session::Workspace;
 use crate::study::{self, Plan, Study, StudySummary};
-use crate::summary::table;
+use crate::summary::{self, Summary};
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
@@ -25,22 +26,19 @@ use crate::summary::table;
     after_help = "Example:\n  echolot run my_study.json --dry-run\n  echolot run my_study.json\n  \
     echolot run studies/papers/ensemble.json --only 'scene=random open'\n  \
     echolot run my_study.json --on slurm --array-size 20 --partition short --threads 2\n  \
-    echolot run odometry-drift snr --preset paper\n\n\
+    echolot run studies/papers/paper.json --only snr\n\n\
     Recordings and trials are cached: what is there is not computed again, and an interrupted run goes on where \
     it stopped. A study file says what is simulated, what varies and what is claimed (docs/how-to/new-study.md); \
-    its results lie in a folder of its name. `echolot list` names the papers' studies."
+    its results lie in a folder of its name. `echolot list` names the project's files and the papers' studies."
 )]
 pub(crate) struct Arguments {
-    /// Study files or folders of them, or names of the papers' studies; those of the preset unless given.
-    #[arg(value_name = "STUDY")]
-    studies: Vec<String>,
-    /// Size of the papers' studies [default: paper].
-    #[arg(long, value_enum)]
-    preset: Option<Preset>,
-    /// Cells of a study file by their values; all unless given.
-    #[arg(long, value_name = "NAME=VALUE")]
+    /// Study files or folders of them.
+    #[arg(required = true, value_name = "STUDY")]
+    studies: Vec<PathBuf>,
+    /// Cells by their values (NAME=VALUE), or studies of the papers by their names; all unless given.
+    #[arg(long, value_name = "CELL")]
     only: Vec<String>,
-    /// Print the plan of study files and stop: recordings to simulate, trials, time and memory.
+    /// Print the plan and stop: recordings to simulate, trials, time and memory.
     #[arg(long)]
     dry_run: bool,
     /// Folder of the results.
@@ -67,8 +65,6 @@ pub(crate) struct Arguments {
     no_figures: bool,
     #[command(flatten)]
     cluster: ClusterArguments,
-    #[command(flatten)]
-    parameters: ParameterArguments,
     #[command(flatten)]
     force: ForceArgument,
 }
@@ -109,66 +105,17 @@ fn workers(text: &str) -> Result<usize, String> {
     count.ok_or_else(|| "give 1 to 10000".to_string())
 }
 
-/// The papers' studies with these names, or those of the preset, in their own order.
-fn chosen(names: &[String], preset: Preset) -> Result<Vec<&'static PaperStudy>> {
-    if let Some(name) = names
-        .iter()
-        .find(|name| STUDIES.iter().all(|study| study.name != **name))
-    {
-        let known: Vec<&str> = STUDIES.iter().map(|study| study.name).collect();
-        bail!(
-            "study: {name}: is not known; give a study file (.json), or choose from {}",
-            known.join(", ")
-        );
-    }
-    Ok(STUDIES
-        .iter()
-        .filter(|study| match names.is_empty() {
-            true => study.presets.contains(&preset),
-            false => names.iter().any(|name| name == study.name),
-        })
-        .collect())
-}
-
-/// Whether a name is that of a study file or a folder of them.
-fn is_file(name: &String) -> bool {
-    name.ends_with(".json") || Path::new(name).is_dir()
-}
-
-/// The study files that are named, those of folders in the order of their names.
-fn files(names: &[String]) -> Result<Vec<PathBuf>> {
-    let mut files = Vec::new();
-    for name in names {
-        let path = PathBuf::from(name);
-        if !path.is_dir() {
-            files.push(path);
-            continue;
-        }
-        let mut found = Vec::new();
-        for entry in std::fs::read_dir(&path).with_context(|| name.clone())? {
-            let file = entry.with_context(|| name.clone())?.path();
-            if file.extension().is_some_and(|ending| ending == "json")
-                && !file.to_string_lossy().ends_with(".schema.json")
-            {
-                found.push(file);
-            }
-        }
-        if found.is_empty() {
-            bail!("{name}: holds no study file; name a folder with .json files");
-        }
-        found.sort();
-        files.extend(found);
-    }
-    Ok(files)
-}
-
-/// Checks the folder of a study's results: nobody else's summary is in it.
-pub(super) fn check_place(results: &Path, file: &Path, force: bool) -> Result<()> {
+/// The place of a study's summary.
+fn place(results: &Path, file: &Path, force: bool) -> Place {
     Place {
         inputs: vec![file.to_path_buf()],
         ..Place::of(results.join("summary.json"), force)
     }
-    .file(|bytes| serde_json::from_slice::<StudySummary>(bytes).is_ok())
+}
+
+/// Checks the folder of a study's results: nobody else's summary is in it.
+pub(super) fn check_place(results: &Path, file: &Path, force: bool) -> Result<()> {
+    place(results, file, force).file(|bytes| serde_json::from_slice::<StudySummary>(bytes).is_ok())
 }
 
 impl Arguments {
@@ -179,10 +126,65 @@ impl Arguments {
                 .num_threads(self.threads)
                 .build_global()?;
         }
-        match self.studies.iter().any(is_file) {
-            true => self.run_files(json),
-            false => self.run_papers(json),
+        let mut studies = Vec::new();
+        for file in files(&self.studies)? {
+            studies.push((self.load(&file)?, file));
         }
+        let workspace = Workspace::new(&self.cache(), self.side_by_side);
+        let mut said = Vec::new();
+        for (study, file) in &studies {
+            said.extend(match study {
+                Loaded::Study(study) => self.run_study(study, file, &workspace, json)?,
+                Loaded::Papers(papers) => self.run_papers(papers, &workspace, json)?,
+            });
+        }
+        match (json && !self.dry_run, said.len()) {
+            (false, _) => Ok(()),
+            (true, 1) => print_json(&said[0]),
+            (true, _) => print_json(&said),
+        }
+    }
+
+    /// Reads a study file, and checks that it can be run as it is asked for and where its results will lie.
+    fn load(&self, file: &Path) -> Result<Loaded> {
+        let mut study = Loaded::read(file)?;
+        match (self.engine, &mut study) {
+            (Some(engine), Loaded::Study(study)) => {
+                study.set_engine(engine, self.image_order(engine)?)?;
+            }
+            (Some(engine), Loaded::Papers(papers)) => {
+                papers.set_engine(engine, self.image_order(engine)?)?;
+            }
+            (None, _) if self.image_order.is_some() => {
+                bail!(
+                    "--image-order {}: says nothing without --engine image-source; add it",
+                    self.image_order.unwrap_or_default()
+                )
+            }
+            (None, _) => {}
+        }
+        let is_on_cluster = self.cluster.on.is_some();
+        if is_on_cluster && (self.engine.is_some() || !self.only.is_empty()) {
+            bail!("--engine and --only: cannot be had on a cluster; put them into the study file");
+        }
+        if let Loaded::Papers(papers) = &study {
+            if is_on_cluster {
+                bail!(
+                    "{}: --on: the papers' studies run in one piece; leave the option out",
+                    file.display()
+                );
+            }
+            papers.chosen(&self.only)?;
+        }
+        if !self.dry_run {
+            let results = self.results.join(study.name());
+            match study {
+                Loaded::Study(_) => check_place(&results, file, self.force.force)?,
+                Loaded::Papers(_) => place(&results, file, self.force.force)
+                    .file(|bytes| serde_json::from_slice::<Summary>(bytes).is_ok())?,
+            }
+        }
+        Ok(study)
     }
 
     /// Most reflections of an image source's echo.
@@ -202,74 +204,41 @@ impl Arguments {
         own.unwrap_or_else(|| self.results.join("cache"))
     }
 
-    /// Runs study files.
-    fn run_files(self, json: bool) -> Result<()> {
-        if let Some(name) = self.studies.iter().find(|name| !is_file(name)) {
-            bail!(
-                "study: {name}: is no file; run study files and the papers' studies one after the other"
-            );
+    /// Runs a study of cells; gives its summary.
+    fn run_study(
+        &self,
+        study: &Study,
+        file: &Path,
+        workspace: &Workspace,
+        json: bool,
+    ) -> Result<Option<Value>> {
+        let plan = Plan::new(study, &self.only, workspace)
+            .with_context(|| format!("study {}", study.file.name))?;
+        let text = plan.text(study, workspace)?;
+        if self.dry_run {
+            let cells = study
+                .cells
+                .iter()
+                .map(|cell| format!("  {}\n", cell.name()));
+            print(&format!("{text}{}", cells.collect::<String>()))?;
+            return Ok(None);
         }
-        if self.preset.is_some() || self.parameters.parameters.is_some() {
-            bail!(
-                "--preset and --parameters: are for the papers' studies; put values into the study file's `set` \
-                instead"
-            );
-        }
-        let mut studies = Vec::new();
-        for file in files(&self.studies)? {
-            let mut study = Study::load(&file)?;
-            match self.engine {
-                Some(engine) => study.set_engine(engine, self.image_order(engine)?)?,
-                None if self.image_order.is_some() => {
-                    bail!("--image-order: says nothing without --engine image-source; add it")
-                }
-                None => {}
+        eprint!("{text}");
+        let results = self.results.join(&study.file.name);
+        let summary = match self.cluster.on {
+            None => study::run(study, &plan, workspace, &results)?,
+            Some(Manager::Slurm) => {
+                study::slurm::run(study, &plan, workspace, &self.request(file, self.cache()))?
             }
-            if !self.dry_run {
-                let results = self.results.join(&study.file.name);
-                check_place(&results, &file, self.force.force)?;
-            }
-            studies.push((file, study));
+        };
+        if !self.no_figures && self.cluster.on.is_none() {
+            figures::study::draw(study, &results)?;
         }
-        if self.cluster.on.is_some() && (self.engine.is_some() || !self.only.is_empty()) {
-            bail!("--engine and --only: cannot be had on a cluster; put them into the study file");
+        if !json {
+            print(&study::table(&summary))?;
+            eprintln!("results in {}", results.display());
         }
-        let cache = self.cache();
-        let workspace = Workspace::new(&cache, self.side_by_side);
-        let mut summaries = Vec::new();
-        for (file, study) in &studies {
-            let plan = Plan::new(study, &self.only, &workspace)
-                .with_context(|| format!("study {}", study.file.name))?;
-            let text = plan.text(study, &workspace)?;
-            if self.dry_run {
-                let cells = study
-                    .cells
-                    .iter()
-                    .map(|cell| format!("  {}\n", cell.name()));
-                print(&format!("{text}{}", cells.collect::<String>()))?;
-                continue;
-            }
-            eprint!("{text}");
-            let results = self.results.join(&study.file.name);
-            let summary = match self.cluster.on {
-                None => study::run(study, &plan, &workspace, &results)?,
-                Some(Manager::Slurm) => {
-                    study::slurm::run(study, &plan, &workspace, &self.request(file, cache.clone()))?
-                }
-            };
-            if !self.no_figures && self.cluster.on.is_none() {
-                figures::study::draw(study, &results)?;
-            }
-            if !json {
-                print(&study::table(&summary))?;
-                eprintln!("results in {}", results.display());
-            }
-            summaries.push(summary);
-        }
-        match json && !self.dry_run {
-            true => print_json(&summaries),
-            false => Ok(()),
-        }
+        Ok(Some(serde_json::to_value(&summary)?))
     }
 
     /// What is asked of Slurm for a study.
@@ -286,37 +255,42 @@ impl Arguments {
         }
     }
 
-    /// Runs studies of the papers.
-    fn run_papers(self, json: bool) -> Result<()> {
-        if self.dry_run || !self.only.is_empty() || self.cluster.on.is_some() {
-            bail!("--dry-run, --only and --on: are for study files; name one");
+    /// Runs the papers' studies of a file; gives their summary.
+    fn run_papers(
+        &self,
+        papers: &Papers,
+        workspace: &Workspace,
+        json: bool,
+    ) -> Result<Option<Value>> {
+        let session = PaperSession::open(papers.clone(), &self.results, workspace)?;
+        let studies = papers.chosen(&self.only)?;
+        let jobs = papers::missing(&session, &studies)?;
+        let text = format!(
+            "{}: {} studies of the papers, {} recordings to simulate\n{}",
+            papers.file.name,
+            studies.len(),
+            jobs.len(),
+            study::time_of(&jobs, workspace)?
+        );
+        if self.dry_run {
+            let names = studies.iter().map(|study| format!("  {}\n", study.name()));
+            print(&format!("{text}{}", names.collect::<String>()))?;
+            return Ok(None);
         }
-        let preset = self.preset.unwrap_or(Preset::Paper);
-        let studies = chosen(&self.studies, preset)?;
-        let engine = self.engine.unwrap_or(Engine::Fdtd);
-        let session = PaperSession::open(&Request {
-            preset,
-            cache: self.cache(),
-            engine,
-            image_order: usize::from(self.image_order(engine)?),
-            parameters: self.parameters.read()?,
-            side_by_side: self.side_by_side,
-            results: self.results,
-        })?;
-        let summary = run(&session, &studies)?;
+        eprint!("{text}");
+        let summary = papers::run(&session, &studies, &jobs)?;
         if !self.no_figures {
             figures::draw_all(session.results())?;
         }
-        if preset == Preset::Paper {
+        if papers.file.verdicts.is_some() {
             let targets = Targets::load()?;
             let judged = judge(&targets, &summary)?;
             report::write(session.results(), &targets, &judged, &summary)?;
         }
-        if json {
-            return print_json(&summary);
+        if !json {
+            print(&summary::table(&summary))?;
+            eprintln!("results in {}", session.results().display());
         }
-        print(&table(&summary))?;
-        eprintln!("results in {}", session.results().display());
-        Ok(())
+        Ok(Some(serde_json::to_value(&summary)?))
     }
 }

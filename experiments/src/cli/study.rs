@@ -6,8 +6,9 @@ use anyhow::Result;
 use clap::Subcommand;
 
 use super::output::{print, print_json};
+use super::study_files::Loaded;
 use crate::figures;
-use crate::study::Study;
+use crate::papers::{self, PaperStudy};
 
 /// Arguments of `study`.
 #[derive(Debug, clap::Args)]
@@ -22,14 +23,14 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Check a study file and list its cells.
-    #[command(after_help = "Example:\n  echolot study check studies/ensemble.json --json")]
+    #[command(after_help = "Example:\n  echolot study check studies/papers/ensemble.json --json")]
     Check {
         /// The study file.
         file: PathBuf,
     },
     /// Draw the figures of a study from its results, without computing anything.
     #[command(
-        after_help = "Example:\n  echolot study draw studies/ensemble.json --results results"
+        after_help = "Example:\n  echolot study draw studies/papers/ensemble.json --results results"
     )]
     Draw {
         /// The study file.
@@ -48,7 +49,20 @@ impl Arguments {
     pub(crate) fn run(self, json: bool) -> Result<()> {
         match self.command {
             Command::Check { file } => {
-                let study = Study::load(&file)?;
+                let study = match Loaded::read(&file)? {
+                    Loaded::Study(study) => study,
+                    Loaded::Papers(papers) => {
+                        let (name, about) = (&papers.file.name, &papers.file.about);
+                        let names: Vec<_> =
+                            papers.file.papers.iter().map(PaperStudy::name).collect();
+                        let all =
+                            serde_json::json!({"name": name, "about": about, "papers": names});
+                        return match json {
+                            true => print_json(&all),
+                            false => print(&format!("{name}: {about}\n  {}\n", names.join("\n  "))),
+                        };
+                    }
+                };
                 let names: Vec<String> = study.cells.iter().map(|cell| cell.name()).collect();
                 let methods: Vec<&str> =
                     study.methods().iter().map(|method| method.name()).collect();
@@ -71,7 +85,7 @@ impl Arguments {
                 ))
             }
             Command::Draw { file, results } => {
-                let study = Study::load(&file)?;
+                let study = Loaded::of_cells(&file)?;
                 let drawn = figures::study::draw(&study, &results.join(&study.file.name))?;
                 if json {
                     return print_json(&drawn);
@@ -80,7 +94,7 @@ impl Arguments {
                     .iter()
                     .try_for_each(|picture| print(&format!("{}\n", picture.display())))
             }
-            Command::Schema => print_json(&Study::json_schema()),
+            Command::Schema => print_json(&papers::json_schema()),
         }
     }
 }

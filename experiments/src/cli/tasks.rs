@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 
 use super::arguments::{ForceArgument, threads};
 use super::output::{print, print_json};
+use super::study_files::Loaded;
 use crate::data::table::aligned;
 use crate::figures;
 use crate::session::Workspace;
@@ -36,7 +37,7 @@ impl StudyArguments {
                 .num_threads(self.threads)
                 .build_global()?;
         }
-        let study = Study::load(&self.study)?;
+        let study = Loaded::of_cells(&self.study)?;
         let cache = self.cache.clone();
         let workspace = Workspace::new(cache.unwrap_or_else(|| self.results.join("cache")), None);
         let plan =

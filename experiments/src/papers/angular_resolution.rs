@@ -90,7 +90,7 @@ fn half_power_width(answer: &[(f64, f64)]) -> Option<f64> {
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
+pub(super) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let mut table = Table::new(["m", "cos_theta", "level"]);
     let mut widths = Table::new(["m", "half_power_width", "theory"]);
     summary.angular_resolution.clear();

@@ -124,7 +124,7 @@ fn measured() -> Result<Table> {
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
+pub(super) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let path = session.data("dual_circle_published.csv");
     published().write(&path)?;
     let published = Table::read(&path)?;

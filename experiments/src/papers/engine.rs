@@ -14,7 +14,7 @@ use crate::summary::{Engine, Summary};
 const MEASURING_S: f64 = 1.5;
 
 /// Runs the study.
-pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
+pub(super) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     if !session.recordings.has_field() {
         summary.engine = Some(Engine {
             scheme: session.recordings.scheme_name(),

@@ -8,7 +8,6 @@ use super::PaperSession;
 use crate::data::atomic;
 use crate::data::layout::Layout;
 use crate::data::table::{Table, cell};
-use crate::summary::Summary;
 
 /// Truth and odometry of a recording, one row every tenth of a second, in `drive`.
 fn add_drive(drive: &mut Table, scene: &Scene, name: &str, recording: &Recording) -> Result<()> {
@@ -31,7 +30,7 @@ fn add_drive(drive: &mut Table, scene: &Scene, name: &str, recording: &Recording
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &PaperSession, _summary: &mut Summary) -> Result<()> {
+pub(super) fn run(session: &PaperSession) -> Result<()> {
     Layout::of(&session.scene).write(&session.data("layout.json"))?;
     let mut drive = Table::new([
         "path",

@@ -10,10 +10,11 @@ use crate::summary::{Methods, Summary};
 use crate::trials::{self, accuracy};
 
 /// Runs the study.
-pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
+pub(super) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
+    let count = session.seeds().filter;
     let methods = [
-        (Method::Doppler, session.plan.trials),
-        (Method::ToaOnly, session.plan.trials),
+        (Method::Doppler, count),
+        (Method::ToaOnly, count),
         // Dead reckoning has no random numbers.
         (Method::Odometry, 1),
     ];
@@ -45,7 +46,6 @@ pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
         }
     }
     paths.write(&session.data("drift_paths.csv"))?;
-    let count = session.plan.trials;
     summary.odometry_drift = Some(Methods {
         doppler: accuracy(&results[..count]),
         toa_only: accuracy(&results[count..2 * count]),

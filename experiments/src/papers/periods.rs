@@ -11,10 +11,9 @@ use crate::summary::{PeriodsCell, Summary};
 use crate::trials::{self, TrialResult, accuracy};
 
 /// Runs the study.
-pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
-    let trials: Vec<_> = session
-        .plan
-        .period_counts
+pub(super) fn run(session: &PaperSession, counts: &[usize], summary: &mut Summary) -> Result<()> {
+    let seeds = session.seeds().filter;
+    let trials: Vec<_> = counts
         .iter()
         .flat_map(|&periods| {
             let parameters = Parameters {
@@ -24,7 +23,7 @@ pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
                 },
                 ..session.parameters.clone()
             };
-            doppler_trials(&parameters, session.plan.trials)
+            doppler_trials(&parameters, seeds)
         })
         .collect();
     let results = trials::run(session, "periods", &trials)?;
@@ -58,11 +57,9 @@ pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     }
     table.write(&session.data("periods.csv"))?;
     paths.write(&session.data("periods_paths.csv"))?;
-    summary.periods = session
-        .plan
-        .period_counts
+    summary.periods = counts
         .iter()
-        .zip(results.chunks(session.plan.trials))
+        .zip(results.chunks(seeds))
         .map(|(&m, results)| PeriodsCell {
             m,
             accuracy: accuracy(results),

@@ -83,7 +83,7 @@ fn meet(walls: &[Wall], pieces: &[(usize, usize)]) -> bool {
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
+pub(super) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let recording = session
         .recordings
         .read(&session.recordings.spec("localization", None), false)?;

@@ -12,15 +12,15 @@ use crate::summary::{SchemeAccuracy, Schemes, Summary};
 use crate::trials::{self, Trial, accuracy};
 
 /// Recordings of the study.
-pub(crate) fn specs(session: &PaperSession) -> Vec<RecordingSpec> {
+pub(super) fn specs(session: &PaperSession) -> Vec<RecordingSpec> {
     session.recordings.localization_specs(Some(Scheme::Slf))
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
+pub(super) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
     let trials: Vec<Trial> = [Method::Doppler, Method::ToaOnly]
         .into_iter()
-        .flat_map(|method| trials_of(&session.parameters, method, session.plan.trials))
+        .flat_map(|method| trials_of(&session.parameters, method, session.seeds().filter))
         .map(|trial| Trial {
             scheme: Some(Scheme::Slf),
             ..trial
@@ -37,7 +37,7 @@ pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
         ]);
     }
     table.write(&session.data("schemes.csv"))?;
-    let (doppler, toa_only) = results.split_at(session.plan.trials);
+    let (doppler, toa_only) = results.split_at(session.seeds().filter);
     summary.schemes = Some(Schemes {
         slf: SchemeAccuracy {
             doppler: accuracy(doppler),

@@ -1,29 +1,23 @@
-//! The session of a preset: scene, cells and place of the results of the papers' studies.
+//! The session of the papers' studies: scene, seeds and place of the results.
 
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use anyhow::Result;
-use fdtd::scene::Scene;
 use localizer::io::temporary;
 
-use super::request::Request;
-use crate::recordings::robot::Robot;
-use crate::recordings::spec::ODOMETRY_BIAS_RADPS;
-use crate::recordings::waveform::parameters_of;
-use crate::run::preset::{Plan, Preset};
-use crate::run::project;
+use super::file::{PaperSeeds, Papers};
+use super::study::SiteStudy;
 use crate::session::{Session, Setup, Workspace};
 
-/// A session with the cells of a preset, and a place for its results.
+/// Prefix of the names of the site's simulations.
+pub(super) const SITE: &str = "site ";
+
+/// A session with the studies of a file, and a place for their results.
 pub struct PaperSession {
-    /// The preset.
-    pub preset: Preset,
-    /// Cells of its studies.
-    pub plan: Plan,
+    /// The file.
+    pub papers: Papers,
     session: Session,
-    request: Request,
     results: PathBuf,
 }
 
@@ -36,68 +30,69 @@ impl Deref for PaperSession {
 }
 
 impl PaperSession {
-    /// Loads the scene of the preset.
+    /// Loads the scene of a file; results go into a folder of its name in `results`.
     ///
     /// # Errors
-    /// When the scene file cannot be used or the parameters are refused.
-    pub fn open(request: &Request) -> Result<Self> {
-        let results = request.results.join(request.preset.name());
-        let workspace = Workspace::new(&request.cache, request.side_by_side);
-        Self::with(request, request.preset.plan(), results, &workspace)
+    /// When scene or robot cannot be used or a value is refused.
+    pub fn open(papers: Papers, results: &Path, workspace: &Workspace) -> Result<Self> {
+        let file = &papers.file;
+        let setup = papers.setup(&file.scene, file.robot.as_deref(), &file.set, workspace)?;
+        let results = results.join(&file.name);
+        Self::with(papers, String::new(), setup, results, workspace)
     }
 
-    /// The session of the experimental site: another scene and robot, results in the folder `site` of the preset's.
+    /// The session of the experimental site: another scene and robot, results in the folder `site` of the file's.
     ///
     /// # Errors
-    /// When the scene file or the robot file cannot be used.
-    pub fn site(&self) -> Result<Self> {
+    /// As [`PaperSession::open`].
+    pub(super) fn site(&self, site: &SiteStudy) -> Result<Self> {
+        let workspace = self.session.workspace();
+        let of_all = |name: &&String| name.starts_with("localizer.") || name.starts_with("field.");
+        let all = self.papers.file.set.iter();
+        let mut set: crate::study::file::Settings = all
+            .filter(|(name, _)| of_all(name))
+            .map(|(name, value)| (name.clone(), value.clone()))
+            .collect();
+        set.extend(site.set.clone());
+        let setup = (self.papers).setup(&site.scene, Some(&site.robot), &set, workspace)?;
+        let results = self.results.join("site");
         Self::with(
-            &self.request,
-            self.preset.site_plan(),
-            self.results.join("site"),
-            self.session.workspace(),
+            self.papers.clone(),
+            SITE.to_string(),
+            setup,
+            results,
+            workspace,
         )
     }
 
-    /// Loads the scene of a plan.
     fn with(
-        request: &Request,
-        plan: Plan,
+        papers: Papers,
+        prefix: String,
+        setup: Setup,
         results: PathBuf,
         workspace: &Workspace,
     ) -> Result<Self> {
-        let scene = Arc::new(Scene::load(&project::file(&plan.scene))?);
-        let robot = plan.robot.as_deref().map(project::file);
-        let mut parameters = parameters_of(&scene, &request.parameters);
-        parameters.measurement.periods = plan.periods;
-        parameters.filter.window_half_width_m = plan.half_width_m;
         for folder in [&results, &results.join("data"), &results.join("figures")] {
             temporary::sweep(folder);
         }
-        let setup = Setup {
-            scene,
-            robot: robot.as_deref().map(Robot::read).transpose()?,
-            parameters,
-            engine: request.engine,
-            image_order: request.image_order,
-            odometry_bias_radps: ODOMETRY_BIAS_RADPS,
-            prefix: plan.prefix.to_string(),
-        };
         Ok(Self {
-            preset: request.preset,
-            session: Session::new(setup, workspace)?,
-            plan,
-            request: request.clone(),
+            papers,
+            session: Session::new(Setup { prefix, ..setup }, workspace)?,
             results,
         })
     }
 
-    /// Folder of the results of this preset.
+    /// How often filter and noise are drawn.
+    pub fn seeds(&self) -> PaperSeeds {
+        self.papers.file.seeds
+    }
+
+    /// Folder of the results.
     pub fn results(&self) -> &Path {
         &self.results
     }
 
-    /// A data file of this preset.
+    /// A data file of the results.
     pub fn data(&self, name: &str) -> PathBuf {
         self.results.join("data").join(name)
     }

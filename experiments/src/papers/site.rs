@@ -3,22 +3,23 @@
 
 use anyhow::{Context, Result};
 
-use super::PaperSession;
+use super::session::SITE;
 use super::stages::note_simulations;
-use super::{layout, odometry_drift, reflections, snr, window_size};
+use super::study::{PaperStudy, SiteStudy};
+use super::{PaperSession, snr};
 use crate::run::interrupt;
 use crate::schedule::Job;
 use crate::summary::{Site, Summary};
 
 /// The simulations that the site still needs.
-pub(crate) fn missing(session: &PaperSession) -> Result<Vec<Job>> {
-    let site = session.site()?;
+pub(super) fn missing(session: &PaperSession, study: &SiteStudy) -> Result<Vec<Job>> {
+    let site = session.site(study)?;
     site.recordings.missing(&snr::specs(&site))
 }
 
 /// Runs the study: the other studies do the work, in the site's own session.
-pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
-    let site = session.site()?;
+pub(super) fn run(session: &PaperSession, study: &SiteStudy, summary: &mut Summary) -> Result<()> {
+    let site = session.site(study)?;
     let specs = snr::specs(&site);
     site.simulate(&site.recordings.missing(&specs)?)?;
     // All of the site's recordings are noted below; those of another scheme of an earlier run are removed.
@@ -26,20 +27,24 @@ pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
         .iter()
         .map(|spec| site.recordings.label(spec))
         .collect();
-    let of_site = |label: &str| label.starts_with(site.plan.prefix);
+    let of_site = |label: &str| label.starts_with(SITE);
     (summary.provenance.simulation_seconds)
         .retain(|label, _| !of_site(label) || labels.contains(label));
     note_simulations(&site, &specs, summary)?;
-    let mut own = Summary::new(session.preset);
-    for study in [
-        layout::run,
-        odometry_drift::run,
-        window_size::run,
-        reflections::run,
-        snr::run,
+    let mut own = Summary::new(&session.papers.file);
+    for part in [
+        PaperStudy::Layout {},
+        PaperStudy::OdometryDrift {},
+        PaperStudy::WindowSize {
+            half_widths_m: study.half_widths_m.clone(),
+        },
+        PaperStudy::Reflections {},
+        PaperStudy::Snr {
+            snr_db: study.snr_db.clone(),
+        },
     ] {
         interrupt::check()?;
-        study(&site, &mut own)?;
+        part.run(&site, &mut own)?;
     }
     summary.site = Some(Site {
         odometry_drift: own.odometry_drift.context("no accuracy of the site")?,

@@ -11,7 +11,7 @@ use crate::summary::{NoiseCell, Summary};
 use crate::trials::{self, Trial, accuracy};
 
 /// Recordings of the study: the direct wave of the localization drive gives the power of the reflected signal.
-pub(crate) fn specs(session: &PaperSession) -> Vec<RecordingSpec> {
+pub(super) fn specs(session: &PaperSession) -> Vec<RecordingSpec> {
     let mut specs = session.recordings.localization_specs(None);
     specs.push(
         session
@@ -22,11 +22,9 @@ pub(crate) fn specs(session: &PaperSession) -> Vec<RecordingSpec> {
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
-    let count = session.plan.noise_trials;
-    let trials: Vec<Trial> = session
-        .plan
-        .snr_db
+pub(super) fn run(session: &PaperSession, snr_db: &[f64], summary: &mut Summary) -> Result<()> {
+    let count = session.seeds().noise;
+    let trials: Vec<Trial> = snr_db
         .iter()
         .flat_map(|&snr_db| {
             doppler_trials(&session.parameters, count)
@@ -51,11 +49,9 @@ pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
         ]);
     }
     table.write(&session.data("snr.csv"))?;
-    summary.snr = session
-        .plan
-        .snr_db
+    summary.snr = snr_db
         .iter()
-        .zip(results.chunks(session.plan.noise_trials))
+        .zip(results.chunks(count))
         .map(|(&snr_db, results)| NoiseCell {
             snr_db,
             accuracy: accuracy(results),

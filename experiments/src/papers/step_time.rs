@@ -22,17 +22,14 @@ fn bank_times_ms(
     session: &PaperSession,
     recording: &Recording,
     sequence: &EchoSequence,
+    blocks: usize,
 ) -> Result<Vec<f64>> {
     let bank = DopplerBank::new(&session.parameters)?;
     let mut scratch = bank.scratch();
     let mut intensity = bank.intensity();
     let period = session.parameters.samples_per_period();
     let mut times = Vec::new();
-    for block in sequence
-        .blocks
-        .iter()
-        .take(session.plan.timed_blocks + WARM_UP)
-    {
+    for block in sequence.blocks.iter().take(blocks + WARM_UP) {
         let start = block.index * period;
         let samples = recording
             .signal
@@ -47,20 +44,15 @@ fn bank_times_ms(
 
 /// Time of each block in the particle filter, eqs. (8)-(18), milliseconds.
 fn filter_times_ms(
-    session: &PaperSession,
     recording: &Recording,
     sequence: &EchoSequence,
     map: &MapImage,
     parameters: &Parameters,
+    blocks: usize,
 ) -> Result<Vec<f64>> {
     let mut tracker = Tracker::new(parameters, recording.start_pose(), 0)?;
     let mut times = Vec::new();
-    for (index, block) in sequence
-        .blocks
-        .iter()
-        .enumerate()
-        .take(session.plan.timed_blocks + WARM_UP)
-    {
+    for (index, block) in sequence.blocks.iter().enumerate().take(blocks + WARM_UP) {
         let started = Instant::now();
         std::hint::black_box(tracker.update(block, sequence.recent_odometry(index), map));
         times.push(1e3 * started.elapsed().as_secs_f64());
@@ -69,7 +61,12 @@ fn filter_times_ms(
 }
 
 /// Runs the study.
-pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
+pub(super) fn run(
+    session: &PaperSession,
+    half_widths_m: &[f64],
+    blocks: usize,
+    summary: &mut Summary,
+) -> Result<()> {
     let recording = session
         .recordings
         .read(&session.recordings.spec("localization", None), false)?;
@@ -88,10 +85,10 @@ pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
             table.push([stage.to_string(), half_width.clone(), cell(*time, 4)]);
         }
     };
-    let bank = bank_times_ms(session, &recording, &sequence)?;
+    let bank = bank_times_ms(session, &recording, &sequence, blocks)?;
     add("doppler_bank", String::new(), &bank);
     let mut filter_by_window = Vec::new();
-    for &half_width_m in &session.plan.half_widths_m {
+    for &half_width_m in half_widths_m {
         let parameters = Parameters {
             filter: FilterParameters {
                 window_half_width_m: half_width_m,
@@ -99,7 +96,7 @@ pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
             },
             ..doppler.clone()
         };
-        let times = filter_times_ms(session, &recording, &sequence, &map, &parameters)?;
+        let times = filter_times_ms(&recording, &sequence, &map, &parameters, blocks)?;
         add("filter", cell(half_width_m, 2), &times);
         filter_by_window.push(FilterTime {
             half_width_m,
@@ -107,7 +104,7 @@ pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
         });
     }
     table.write(&session.data("step_time.csv"))?;
-    let filter = filter_times_ms(session, &recording, &sequence, &map, &doppler)?;
+    let filter = filter_times_ms(&recording, &sequence, &map, &doppler, blocks)?;
     summary.step_time_ms = Some(StepTime {
         doppler_bank: rounded(quantile(&bank, 0.5)),
         filter: rounded(quantile(&filter, 0.5)),

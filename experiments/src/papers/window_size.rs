@@ -11,10 +11,13 @@ use crate::summary::{Summary, WindowCell};
 use crate::trials::{self, accuracy};
 
 /// Runs the study.
-pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
-    let trials: Vec<_> = session
-        .plan
-        .half_widths_m
+pub(super) fn run(
+    session: &PaperSession,
+    half_widths_m: &[f64],
+    summary: &mut Summary,
+) -> Result<()> {
+    let count = session.seeds().filter;
+    let trials: Vec<_> = half_widths_m
         .iter()
         .flat_map(|&window_half_width_m| {
             let parameters = Parameters {
@@ -24,7 +27,7 @@ pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
                 },
                 ..session.parameters.clone()
             };
-            doppler_trials(&parameters, session.plan.trials)
+            doppler_trials(&parameters, count)
         })
         .collect();
     let results = trials::run(session, "window-size", &trials)?;
@@ -37,11 +40,9 @@ pub(crate) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
         ]);
     }
     table.write(&session.data("window_size.csv"))?;
-    summary.window_size = session
-        .plan
-        .half_widths_m
+    summary.window_size = half_widths_m
         .iter()
-        .zip(results.chunks(session.plan.trials))
+        .zip(results.chunks(count))
         .map(|(&half_width_m, results)| WindowCell {
             half_width_m,
             accuracy: accuracy(results),

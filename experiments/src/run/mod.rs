@@ -1,7 +1,6 @@
-//! One run of the program: its preset, progress, interruption and provenance.
+//! One run of the program: progress, interruption and provenance.
 
 pub mod interrupt;
-pub mod preset;
 pub mod progress;
 pub mod project;
 pub mod provenance;

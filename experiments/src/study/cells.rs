@@ -14,7 +14,7 @@ use crate::run::project;
 const MOST_CELLS: usize = 100_000;
 pub(super) const MOST_TRIALS: usize = 10_000_000;
 /// Most seeds of one kind, and most layouts drawn at random.
-pub(super) const MOST_SEEDS: usize = 1_000_000;
+pub(crate) const MOST_SEEDS: usize = 1_000_000;
 const MOST_LAYOUTS: u64 = 100_000;
 
 /// A combination of what varies.
@@ -152,12 +152,14 @@ impl Values {
     }
 }
 
-/// The scene file of a study: as seen from the study's folder, else the working folder, else the project.
-pub(super) fn find(file: &Path, folder: &Path) -> PathBuf {
+/// A file that a study names: as seen from the study's folder, else the working folder, else the project; in the
+/// study's folder where there is none.
+pub(crate) fn find(file: &Path, folder: &Path) -> PathBuf {
     let beside = folder.join(file);
-    match beside.exists() {
-        true => beside,
-        false => project::file(file),
+    let elsewhere = project::file(file);
+    match !beside.exists() && elsewhere.exists() {
+        true => elsewhere,
+        false => beside,
     }
 }
 

@@ -52,6 +52,9 @@ pub struct StudyFile {
     /// What the study is to show.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub claims: Vec<Claim>,
+    /// File of errors that `echolot check` holds the results against.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub baseline: Option<PathBuf>,
 }
 
 /// A scene file, or layouts drawn at random.

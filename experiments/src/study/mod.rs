@@ -12,7 +12,7 @@ pub mod interval;
 mod plan;
 mod run;
 pub mod scores;
-mod settings;
+pub(crate) mod settings;
 pub mod slurm;
 mod summary;
 pub mod tasks;
@@ -26,7 +26,7 @@ use self::file::{FigureChoice, MethodName, StudyFile};
 use crate::data::json;
 use crate::recordings::spec::Engine;
 
-pub use self::plan::Plan;
+pub use self::plan::{Plan, time_of};
 pub use self::run::{gather, run};
 pub use self::summary::{CellScores, StudySummary, table};
 
@@ -72,19 +72,7 @@ impl Study {
 
     fn checked(file: StudyFile, folder: PathBuf) -> Result<Self> {
         check_names(&file)?;
-        let is_name = |text: &str| {
-            !text.is_empty()
-                && text.len() <= 80
-                && text
-                    .chars()
-                    .all(|c| c.is_ascii_alphanumeric() || "-_".contains(c))
-        };
-        if !is_name(&file.name) {
-            bail!(
-                "name: '{}' cannot be a folder; use letters, digits, - and _",
-                file.name
-            );
-        }
+        check_folder_name(&file.name)?;
         let methods = methods_of(&file);
         if methods.is_empty() {
             bail!("methods: there are none; name at least one");
@@ -119,6 +107,11 @@ impl Study {
             cells,
             folder,
         })
+    }
+
+    /// A file that this one names.
+    pub fn beside(&self, file: &Path) -> PathBuf {
+        cells::find(file, &self.folder)
     }
 
     /// Takes another engine for all cells.
@@ -158,11 +151,6 @@ impl Study {
         methods_of(&self.file)
     }
 
-    /// The JSON schema of study files.
-    pub fn json_schema() -> serde_json::Value {
-        schemars::schema_for!(StudyFile).to_value()
-    }
-
     /// The figures it asks for, or those that its cells suggest.
     pub(crate) fn figures(&self) -> Vec<FigureChoice> {
         if !self.file.figures.is_empty() {
@@ -192,16 +180,29 @@ impl Study {
     }
 }
 
-/// Refuses names that no line could tell: with control characters, or longer than a line.
-fn check_names(file: &StudyFile) -> Result<()> {
+/// Refuses a name that cannot be that of a folder.
+pub(crate) fn check_folder_name(name: &str) -> Result<()> {
+    check_line("name", name)?;
+    let is_usual = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
+    match (1..=80).contains(&name.len()) && name.chars().all(is_usual) {
+        true => Ok(()),
+        false => bail!("name: '{name}' cannot be a folder; use letters, digits, - and _"),
+    }
+}
+
+/// Refuses a name that no line could tell: with control characters, or longer than a line.
+pub(crate) fn check_line(what: &str, text: &str) -> Result<()> {
     const LONGEST: usize = 120;
-    let named = |what: &str, text: &str| -> Result<()> {
-        if text.len() <= LONGEST && !text.chars().any(char::is_control) {
-            return Ok(());
-        }
-        let begin: String = text.escape_debug().take(40).collect();
-        bail!("{what}: '{begin}...' cannot be a name; use up to {LONGEST} letters in one line")
-    };
+    if text.len() <= LONGEST && !text.chars().any(char::is_control) {
+        return Ok(());
+    }
+    let begin: String = text.escape_debug().take(40).collect();
+    bail!("{what}: '{begin}...' cannot be a name; use up to {LONGEST} letters in one line")
+}
+
+/// Refuses names that no line could tell.
+fn check_names(file: &StudyFile) -> Result<()> {
+    let named = check_line;
     named("name", &file.name)?;
     for choice in &file.scenes {
         if let file::SceneChoice::File(path) = choice {

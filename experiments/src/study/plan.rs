@@ -244,36 +244,45 @@ impl Plan {
             self.jobs.len(),
             missing.len(),
         );
-        let (field, images): (Vec<&Job>, Vec<&Job>) = missing
-            .iter()
-            .partition(|job| job.spec.engine == Engine::Fdtd);
-        if let Some(longest) = field.iter().max_by_key(|job| work(job)) {
-            let estimate = schedule::estimate(&longest.scene, &longest.spec, workspace.threads)?;
-            let all: u128 = field.iter().map(|job| work(job)).sum();
-            let seconds = estimate.seconds * all as f64 / work(longest).max(1) as f64;
-            writeln!(
-                text,
-                "{} simulation(s) of the field: about {} in all, at most {:.0} MiB each; the longest ({}): {estimate}",
-                field.len(),
-                duration(seconds),
-                estimate.memory_bytes as f64 / (1024.0 * 1024.0),
-                longest.label,
-            )?;
-        }
-        if let Some(first) = images.first() {
-            let started = Instant::now();
-            schedule::sound(first)?;
-            let share = images.len().div_ceil(workspace.threads.clamp(1, 2)) as f64;
-            writeln!(
-                text,
-                "{} simulation(s) by image sources: about {} in all, measured on {}",
-                images.len(),
-                duration(started.elapsed().as_secs_f64() * share),
-                first.label,
-            )?;
-        }
+        text.push_str(&time_of(&missing, workspace)?);
         Ok(text)
     }
+}
+
+/// Time and memory of simulations for people, by a short run of the longest.
+///
+/// # Errors
+/// When a scene does not run.
+pub fn time_of(jobs: &[Job], workspace: &Workspace) -> Result<String> {
+    let mut text = String::new();
+    let (field, images): (Vec<&Job>, Vec<&Job>) =
+        jobs.iter().partition(|job| job.spec.engine == Engine::Fdtd);
+    if let Some(longest) = field.iter().max_by_key(|job| work(job)) {
+        let estimate = schedule::estimate(&longest.scene, &longest.spec, workspace.threads)?;
+        let all: u128 = field.iter().map(|job| work(job)).sum();
+        let seconds = estimate.seconds * all as f64 / work(longest).max(1) as f64;
+        writeln!(
+            text,
+            "{} simulation(s) of the field: about {} in all, at most {:.0} MiB each; the longest ({}): {estimate}",
+            field.len(),
+            duration(seconds),
+            estimate.memory_bytes as f64 / (1024.0 * 1024.0),
+            longest.label,
+        )?;
+    }
+    if let Some(first) = images.first() {
+        let started = Instant::now();
+        schedule::sound(first)?;
+        let share = images.len().div_ceil(workspace.threads.clamp(1, 2)) as f64;
+        writeln!(
+            text,
+            "{} simulation(s) by image sources: about {} in all, measured on {}",
+            images.len(),
+            duration(started.elapsed().as_secs_f64() * share),
+            first.label,
+        )?;
+    }
+    Ok(text)
 }
 
 /// Size of a simulation, in cells times steps.

@@ -29,7 +29,7 @@ const BIAS: &str = "odometry_bias_radps";
 
 /// Where a scene's text comes from.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) enum Source {
+pub(crate) enum Source {
     /// A file.
     File(PathBuf),
     /// A layout drawn at random.
@@ -38,9 +38,9 @@ pub(super) enum Source {
 
 /// What a trial is run on.
 #[derive(Clone)]
-pub(super) struct Resolved {
+pub(crate) struct Resolved {
     /// Scene, robot, engine and parameters.
-    pub(super) setup: Setup,
+    pub(crate) setup: Setup,
     /// Signal-to-noise ratio in decibels; no noise when `None`.
     pub(super) snr_db: Option<f64>,
     /// Whether the mapping drive has that noise too.
@@ -50,7 +50,7 @@ pub(super) struct Resolved {
 }
 
 /// Puts values into scenes, which are parsed once. Layouts drawn at random are kept in the cache.
-pub(super) struct Resolver {
+pub(crate) struct Resolver {
     cache: Cache,
     texts: Mutex<HashMap<Source, Value>>,
     scenes: Mutex<HashMap<String, Arc<Scene>>>,
@@ -65,7 +65,7 @@ fn part<'a>(settings: &'a Settings, part: &str) -> impl Iterator<Item = (&'a str
 }
 
 /// Refuses a name that no part has.
-pub(super) fn check_name(name: &str, has_robot: bool) -> Result<()> {
+pub(crate) fn check_name(name: &str, has_robot: bool) -> Result<()> {
     let Some((part, rest)) = name.split_once('.').filter(|(_, rest)| !rest.is_empty()) else {
         bail!("is not known; names begin with scene., robot., localizer., field. or noise.");
     };
@@ -144,7 +144,7 @@ fn layout(kind: &str, seed: u64, cache: &Cache) -> Result<Value> {
 
 impl Resolver {
     /// A resolver whose layouts are kept in a cache.
-    pub(super) fn new(cache: &Cache) -> Self {
+    pub(crate) fn new(cache: &Cache) -> Self {
         Self {
             cache: cache.clone(),
             texts: Mutex::default(),
@@ -217,7 +217,7 @@ impl Resolver {
     ///
     /// # Errors
     /// One line that names the value that cannot be used.
-    pub(super) fn resolve(
+    pub(crate) fn resolve(
         &self,
         source: &Source,
         robot: Option<&Path>,

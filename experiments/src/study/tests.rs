@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::*;
+use crate::papers::{PaperSession, Papers};
 
 /// A study on a scene of the project with some fields replaced.
 fn study(changes: &[(&str, Value)]) -> Value {
@@ -293,7 +294,7 @@ fn what_a_method_does_not_depend_on_is_drawn_once() {
 #[test]
 fn the_projects_studies_are_whole() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies");
-    let schema = serde_json::to_string_pretty(&Study::json_schema()).unwrap() + "\n";
+    let schema = serde_json::to_string_pretty(&crate::papers::json_schema()).unwrap() + "\n";
     let file = folder.join("study.schema.json");
     if std::env::var_os("BLESS").is_some() {
         std::fs::write(&file, &schema).unwrap();
@@ -305,22 +306,37 @@ fn the_projects_studies_are_whole() {
     );
     let temporary = tempfile::tempdir().unwrap();
     let workspace = crate::session::Workspace::new(temporary.path(), Some(1));
-    let mut count = 0;
-    for folder in [folder.clone(), folder.join("papers")] {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            let name = path.to_string_lossy().to_string();
-            if !name.ends_with(".json") || name.ends_with("schema.json") {
-                continue;
-            }
-            let mut study = Study::load(&path).unwrap();
-            study.set_engine(Engine::ImageSource, 2).unwrap();
-            assert!(
-                Plan::new(&study, &[], &workspace).unwrap().trials() > 0,
-                "{name}"
-            );
-            count += 1;
+    let folders = ["", "papers", "quick"].map(|name| folder.join(name));
+    let all = folders
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(folder).unwrap());
+    let paths = all.map(|entry| entry.unwrap().path());
+    let mut count = [0; 2];
+    for path in paths.filter(|path| path.extension().is_some_and(|ending| ending == "json")) {
+        if path == file {
+            continue;
         }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let of_papers = crate::papers::is_of_papers(&text);
+        count[usize::from(of_papers)] += 1;
+        if of_papers {
+            let mut papers = Papers::load(&path).unwrap();
+            papers.set_engine(Engine::ImageSource, 2).unwrap();
+            let session = PaperSession::open(papers, temporary.path(), &workspace).unwrap();
+            let studies = session.papers.chosen(&[]).unwrap();
+            assert!(
+                !crate::papers::missing(&session, &studies)
+                    .unwrap()
+                    .is_empty()
+            );
+            continue;
+        }
+        let mut study = Study::load(&path).unwrap();
+        if !study.file.set.contains_key("field.engine") {
+            study.set_engine(Engine::ImageSource, 2).unwrap();
+        }
+        let plan = Plan::new(&study, &[], &workspace).unwrap();
+        assert!(plan.trials() > 0, "{}", path.display());
     }
-    assert!(count > 2);
+    assert!(count[0] > 3 && count[1] >= 2, "{count:?}");
 }

@@ -1,4 +1,4 @@
-//! Every number that a figure, the README or a check rests on: `results/<preset>/summary.json`.
+//! Every number that a figure, the README or a check rests on: `results/<name>/summary.json`.
 
 mod multipath;
 mod studies;

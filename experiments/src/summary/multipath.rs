@@ -18,7 +18,7 @@ pub struct Multipath {
     pub odometry: FollowedPath,
     /// Mean errors over the width of the gate.
     pub gates: Vec<MultipathGate>,
-    /// On the localization drive of the preset's scene.
+    /// On the localization drive of the studies' scene.
     pub scene: MultipathScene,
 }
 

@@ -8,15 +8,19 @@ use serde::{Deserialize, Serialize};
 use super::multipath::Multipath;
 use crate::data::{atomic, json};
 use crate::metrics::Accuracy;
-use crate::run::preset::Preset;
+use crate::papers::PapersFile;
 use crate::run::provenance::Provenance;
 
-/// The summary of a preset; a part that no study has filled yet is absent.
+/// The summary of the papers' studies of a file; a part that no study has filled yet is absent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Summary {
-    /// The preset.
-    pub preset: Preset,
+    /// Name of the studies.
+    #[serde(alias = "preset")]
+    pub name: String,
+    /// The file; absent in summaries of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub study: Option<PapersFile>,
     /// Provenance.
     pub provenance: Provenance,
     /// Correction of the drift of wheel odometry (Fig. 6).
@@ -222,9 +226,18 @@ pub struct FilterTime {
 
 impl Summary {
     /// A summary without studies.
-    pub fn new(preset: Preset) -> Self {
+    pub fn new(file: &PapersFile) -> Self {
         Self {
-            preset,
+            study: Some(file.clone()),
+            ..Self::named(&file.name)
+        }
+    }
+
+    /// A summary without studies and file.
+    pub fn named(name: &str) -> Self {
+        Self {
+            name: name.to_string(),
+            study: None,
             provenance: Provenance::here(),
             odometry_drift: None,
             window_size: Vec::new(),

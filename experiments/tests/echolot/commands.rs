@@ -1,6 +1,6 @@
 //! Exit codes, messages and printed results of the commands.
 
-use crate::room::{ROOM, SIMULATE, echolot, expect, refuse, scene_file};
+use crate::room::{ROOM, SIMULATE, echolot, expect, project_file, refuse, scene_file};
 
 #[test]
 fn every_command_has_help_with_an_example() {
@@ -102,18 +102,19 @@ fn bad_input_is_one_line_that_names_file_and_field() {
     assert!(complaint.contains("nothing"), "{complaint}");
     let complaint = refuse(at, &["localize", "nothing", "--map", "map", "-o", "e.tum"]);
     assert!(complaint.contains("nothing"), "{complaint}");
-    let complaint = refuse(at, &["run", "window-sizes"]);
+    let quick = project_file("studies/quick/quick.json");
+    let complaint = refuse(at, &["run", &quick, "--only", "window-sizes"]);
     assert!(
         complaint.contains("window-sizes") && complaint.contains("window-size,"),
         "{complaint}"
     );
-    let complaint = refuse(at, &["figures", "--preset", "quick"]);
+    let complaint = refuse(at, &["figures", "results/quick"]);
+    assert!(complaint.contains("echolot run"), "{complaint}");
+    let complaint = refuse(at, &["check", &quick]);
     assert!(
-        complaint.contains("echolot run --preset quick"),
+        complaint.contains("summary.json") && complaint.contains("echolot run"),
         "{complaint}"
     );
-    let complaint = refuse(at, &["check", "--preset", "quick"]);
-    assert!(complaint.contains("summary.json"), "{complaint}");
     std::fs::write(at.join("parameters.json"), r#"{"particle": 3}"#).unwrap();
     let complaint = refuse(
         at,
@@ -203,7 +204,8 @@ fn the_order_of_images_is_for_image_sources() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     scene_file(at);
-    let run = ["run", "layout", "--image-order", "4"];
+    let quick = project_file("studies/quick/quick.json");
+    let run = ["run", &quick, "--image-order", "4"];
     assert!(refuse(at, &run).contains("--image-order 4"));
     let simulate = |order: &'static str, engine: &[&'static str]| {
         let drive = [

@@ -90,10 +90,11 @@ fn a_study_goes_from_scene_to_verdict() {
     let baseline = baseline.to_str().unwrap();
     let study = [
         "run",
+        "studies/quick/quick.json",
+        "--only",
         "layout",
+        "--only",
         "odometry-drift",
-        "--preset",
-        "quick",
         "--engine",
         "image-source",
         "--results",
@@ -145,8 +146,7 @@ fn a_study_goes_from_scene_to_verdict() {
 
     let check = [
         "check",
-        "--preset",
-        "quick",
+        "studies/quick/quick.json",
         "--results",
         results,
         "--baseline",
@@ -172,12 +172,17 @@ fn trials_with_noise_do_not_depend_on_their_company() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let folder = tempfile::tempdir().unwrap();
     let results = folder.path().to_str().unwrap();
+    let file = folder.path().join("mine.json");
+    std::fs::write(
+        &file,
+        r#"{"name": "mine", "about": "Noise.", "scene": "scenes/quick.json", "seeds": {"filter": 1, "noise": 3},
+        "set": {"localizer.window_half_width_m": 2}, "papers": [{"study": "snr", "snr_db": [-15, 0, 20]}]}"#,
+    )
+    .unwrap();
     let snr = |threads: &str| -> String {
         let study = [
             "run",
-            "snr",
-            "--preset",
-            "quick",
+            file.to_str().unwrap(),
             "--engine",
             "image-source",
             "--no-figures",
@@ -187,7 +192,7 @@ fn trials_with_noise_do_not_depend_on_their_company() {
             threads,
         ];
         expect(&project, &study);
-        std::fs::read_to_string(folder.path().join("quick/data/snr.csv")).unwrap()
+        std::fs::read_to_string(folder.path().join("mine/data/snr.csv")).unwrap()
     };
     let together = snr("2");
     let trials = folder.path().join("cache/trials");

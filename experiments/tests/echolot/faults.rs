@@ -51,9 +51,9 @@ fn cases(at: &Path) -> Vec<Case> {
     ];
     let run = [
         "run",
+        "quick.json",
+        "--only",
         "odometry-drift",
-        "--preset",
-        "quick",
         "--engine",
         "image-source",
         "--results",

@@ -324,9 +324,9 @@ fn a_damaged_entry_of_the_cache_is_made_anew_and_told() {
     let run = |results: &'static str| {
         let quick = [
             "run",
+            "quick.json",
+            "--only",
             "odometry-drift",
-            "--preset",
-            "quick",
             "--cache",
             "cache",
             "--no-figures",
@@ -393,6 +393,7 @@ fn a_damaged_entry_of_the_cache_is_made_anew_and_told() {
 fn a_baseline_of_nothing_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
+    quick_scene(at);
     std::fs::create_dir_all(at.join("results/quick")).unwrap();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let summary = root.join("results/quick/summary.json");
@@ -400,15 +401,15 @@ fn a_baseline_of_nothing_is_refused() {
     let good = std::fs::read_to_string(root.join("experiments/baselines/quick.json")).unwrap();
     let check = |text: &str| {
         std::fs::write(at.join("b.json"), text).unwrap();
-        said(at, &["check", "--preset", "quick", "--baseline", "b.json"])
+        said(at, &["check", "quick.json", "--baseline", "b.json"])
     };
     assert_eq!(check(&good).0, Some(0));
     for (text, word) in [
         (
-            r#"{"preset": "quick", "commit": "x", "measures": []}"#.to_string(),
+            r#"{"name": "quick", "commit": "x", "measures": []}"#.to_string(),
             "measures",
         ),
-        (good.replace("\"quick\"", "\"paper\""), "preset"),
+        (good.replace("\"quick\"", "\"paper\""), "name"),
         (
             good.replacen("\"mae_m\": 0", "\"mae_m\": 1e9", 1),
             "measures[0]",
@@ -433,7 +434,7 @@ fn a_baseline_of_nothing_is_refused() {
     }
     // Blessing never takes the place of another file.
     std::fs::write(at.join("notes.json"), "{}").unwrap();
-    let bless = ["check", "--preset", "quick", "--bless", "--baseline"];
+    let bless = ["check", "quick.json", "--bless", "--baseline"];
     for baseline in ["notes.json", "results/quick/summary.json"] {
         refuse(at, &[&bless[..], &[baseline]].concat());
     }

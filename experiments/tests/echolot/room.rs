@@ -94,15 +94,22 @@ pub(crate) fn drives_and_map(folder: &Path) {
     expect(folder, &["map", "mapping", "-o", "map"]);
 }
 
-/// The quick preset's scene where `run` looks for it.
-pub(crate) fn quick_scene(folder: &Path) {
+/// A path of a file of the project.
+pub(crate) fn project_file(name: &str) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    root.join(name).display().to_string()
+}
+
+/// The papers' studies in the quick scene, as `quick.json`, and the scene beside them.
+pub(crate) fn quick_scene(folder: &Path) {
     std::fs::create_dir(folder.join("scenes")).unwrap();
-    std::fs::copy(
-        root.join("scenes/quick.json"),
-        folder.join("scenes/quick.json"),
-    )
-    .unwrap();
+    for (from, to) in [
+        ("scenes/quick.json", "scenes/quick.json"),
+        ("studies/quick/quick.json", "quick.json"),
+    ] {
+        let text = std::fs::read_to_string(project_file(from)).unwrap();
+        std::fs::write(folder.join(to), text.replace("../../scenes", "scenes")).unwrap();
+    }
 }
 
 /// Adds a line to the list of what was tried, where one is kept: see `echolot robustness`.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::room::{echolot, expect, refuse, scene_file};
+use crate::room::{echolot, expect, project_file, refuse, scene_file};
 
 /// Writes a study of the room.
 pub(crate) fn study_file(folder: &Path, changes: &[(&str, Value)]) {
@@ -224,14 +224,17 @@ fn a_study_replaces_only_its_own_results() {
         refused.contains("summary.json") && refused.contains("--force"),
         "{refused}"
     );
+    let quick = &*project_file("studies/quick/quick.json");
     for (arguments, word) in [
-        (&["run", "mine.json", "--preset", "quick"][..], "--preset"),
-        (&["run", "mine.json", "snr"][..], "snr"),
         (
             &["run", "mine.json", "--image-order", "3"][..],
             "--image-order",
         ),
-        (&["run", "snr", "--only", "a=b"][..], "--only"),
+        (&["run", quick, "--only", "a=b"][..], "--only"),
+        (&["run", quick, "--on", "slurm"][..], "--on"),
+        (&["plan", quick][..], "echolot run"),
+        (&["study", "draw", quick][..], "echolot run"),
+        (&["check", "mine.json"][..], "summary"),
         (&["run", "no_such.json"][..], "no_such.json"),
         (&["study", "check", "room.json"][..], "room.json"),
     ] {

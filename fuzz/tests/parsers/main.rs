@@ -19,7 +19,6 @@ use experiments::data::table::Table;
 use experiments::data::{estimate, json};
 use experiments::figures::drawing::png;
 use experiments::recordings::robot::Robot;
-use experiments::run::preset::Preset;
 use experiments::study::{Study, StudySummary};
 use experiments::summary::Summary;
 use experiments::trials::TrialResult;
@@ -205,7 +204,7 @@ fn robot() {
 #[test]
 fn baseline() {
     fuzz_text("baseline", |text| {
-        if let Some(baseline) = line(Baseline::parse(text, Path::new("b.json"), Preset::Quick)) {
+        if let Some(baseline) = line(Baseline::parse(text, Path::new("b.json"), "quick")) {
             assert!(!baseline.measures.is_empty());
         }
     });

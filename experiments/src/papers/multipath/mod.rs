@@ -1,5 +1,5 @@
 //! Position from multipath arrival times by planes and a Kalman filter (Tsuchiya et al., 2021), in a room and on the
-//! preset's scene.
+//! session's scene.
 
 mod paths;
 mod scene;

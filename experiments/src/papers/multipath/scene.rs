@@ -1,4 +1,4 @@
-//! Model (b) against the Doppler method on the localization drive of the preset's scene: the same recording and
+//! Model (b) against the Doppler method on the localization drive of the session's scene: the same recording and
 //! odometry.
 
 use anyhow::Result;
@@ -57,7 +57,7 @@ pub(super) fn run(session: &PaperSession) -> Result<MultipathScene> {
     let results = trials::run(
         session,
         "multipath, Doppler",
-        &doppler_trials(&session.parameters, session.plan.trials),
+        &doppler_trials(&session.parameters, session.seeds().filter),
     )?;
     if let Some(first) = results.first() {
         let (path, errors) = trajectory(first);

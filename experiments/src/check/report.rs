@@ -11,7 +11,7 @@ use crate::data::table::aligned;
 use crate::summary::Summary;
 
 /// Our number with its interval.
-pub(super) fn ours(judged: &Judged) -> String {
+pub fn ours(judged: &Judged) -> String {
     match judged.interval {
         Some([low, high]) => format!("{} [{low:.3}, {high:.3}]", judged.ours),
         None => judged.ours.clone(),

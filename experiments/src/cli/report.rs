@@ -12,9 +12,11 @@ use crate::report;
 /// Arguments of `report`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  echolot report results/my_study -o my_study.html\n\n\
+    after_help = "Example:\n  echolot report results/my_study -o my_study.html\n  \
+    echolot report results/paper -o paper.html\n\n\
     One file that holds everything: claims, scores, figures whose text can be selected, a replay of the drive \
-    where the study has a figure of paths. Nothing is loaded from elsewhere; links lead to the data files."
+    where the study has a figure of paths or is of the papers. Nothing is loaded from elsewhere; links lead to the \
+    data files."
 )]
 pub(crate) struct Arguments {
     /// Folder of a study's results.

@@ -130,7 +130,7 @@ impl Arguments {
         for file in files(&self.studies)? {
             studies.push((self.load(&file)?, file));
         }
-        let workspace = Workspace::new(&self.cache(), self.side_by_side);
+        let workspace = Workspace::new(self.cache(), self.side_by_side);
         let mut said = Vec::new();
         for (study, file) in &studies {
             said.extend(match study {

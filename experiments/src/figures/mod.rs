@@ -174,16 +174,46 @@ pub enum Drawn {
 /// # Errors
 /// When a data file is damaged or a picture cannot be written.
 pub fn draw_all(results: &Path) -> Result<Vec<Drawn>> {
-    let mut drawn = draw_each(FIGURES, results)?;
+    let place = |results: &Path, figure: &Figure| {
+        results.join("figures").join(format!("{}.png", figure.name))
+    };
+    draw_into(results, place)
+}
+
+/// As [`draw_all`], into another folder and for a page: as SVG, but as PNG where a figure shows an image.
+///
+/// # Errors
+/// As [`draw_all`].
+pub(crate) fn draw_for_page(results: &Path, folder: &Path) -> Result<Vec<PathBuf>> {
+    let place = |_: &Path, figure: &Figure| {
+        let has_image = figure.needs.iter().any(|name| name.ends_with(".npy"));
+        let ending = if has_image { "png" } else { "svg" };
+        folder.join(format!("{}.{ending}", figure.name))
+    };
+    let drawn = draw_into(results, place)?.into_iter();
+    let pictures = drawn.filter_map(|drawn| match drawn {
+        Drawn::Picture(path) => Some(path),
+        Drawn::Missing { .. } => None,
+    });
+    Ok(pictures.collect())
+}
+
+/// Draws all figures of a folder of results to where `place` says.
+fn draw_into(results: &Path, place: impl Fn(&Path, &Figure) -> PathBuf) -> Result<Vec<Drawn>> {
+    let mut drawn = draw_each(FIGURES, results, &place)?;
     let site = results.join("site");
     if site.join("data").is_dir() {
-        drawn.extend(draw_each(SITE_FIGURES, &site)?);
+        drawn.extend(draw_each(SITE_FIGURES, &site, &place)?);
     }
     Ok(drawn)
 }
 
-/// Draws those of the figures whose data is in `results/data` into `results/figures`.
-fn draw_each(figures: &[Figure], results: &Path) -> Result<Vec<Drawn>> {
+/// Draws those of the figures whose data is in `results/data` to where `place` says.
+fn draw_each(
+    figures: &[Figure],
+    results: &Path,
+    place: impl Fn(&Path, &Figure) -> PathBuf,
+) -> Result<Vec<Drawn>> {
     let data = results.join("data");
     figures
         .iter()
@@ -197,7 +227,7 @@ fn draw_each(figures: &[Figure], results: &Path) -> Result<Vec<Drawn>> {
                 let figure = figure.name.to_string();
                 return Ok(Drawn::Missing { figure, file });
             }
-            let picture = results.join("figures").join(format!("{}.png", figure.name));
+            let picture = place(results, figure);
             (figure.draw)(&data, &picture)?;
             Ok(Drawn::Picture(picture))
         })

@@ -1,15 +1,16 @@
 //! The results of a study as one page that can be handed on: no script, font or picture from elsewhere.
 
+mod papers;
 mod replay;
+mod study;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::figures;
-use crate::study::claims::{Kind, Verdict};
-use crate::study::{CellScores, Study, StudySummary, cells};
+use crate::data::json;
+use crate::run::provenance::Provenance;
 
 const STYLE: &str = include_str!("../../assets/report.css");
 const SCRIPT: &str = include_str!("../../assets/report.js");
@@ -41,17 +42,25 @@ fn way(page: &Path, folder: &Path) -> Result<PathBuf> {
         .collect())
 }
 
-/// The page of a study's folder of results, for a file at `page`.
+/// What a page says.
+struct Content {
+    title: String,
+    about: String,
+    body: Markup,
+}
+
+/// The page of a folder of results, of a study or of the papers' studies, for a file at `page`.
 ///
 /// # Errors
 /// When summary or data are missing or damaged.
 pub fn page(results: &Path, page: &Path) -> Result<String> {
-    let summary = StudySummary::read(&results.join("summary.json"))?;
-    let study = Study::of_results(&summary.study).with_context(|| results.display().to_string())?;
     let link = way(page, results)?;
-    let data = |name: &str| link.join("data").join(name).display().to_string();
-    let drawings = drawings(&study, results)?;
-    let replay = replay::read(&results.join("data"))?;
+    let summary: serde_json::Value = json::read(&results.join("summary.json"))?;
+    // A study of cells has them in its summary.
+    let content = match summary.get("cells").is_some() {
+        true => study::content(results, &link)?,
+        false => papers::content(results, &link)?,
+    };
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -59,37 +68,13 @@ pub fn page(results: &Path, page: &Path) -> Result<String> {
                 (PreEscaped(MARK))
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (summary.study.name) }
+                title { (content.title) }
                 style { (PreEscaped(STYLE)) }
             }
             body {
-                h1 { (summary.study.name) }
-                p { (summary.study.about) }
-                @if !summary.claims.is_empty() {
-                    h2 { "Claims" }
-                    (claims(&summary))
-                }
-                h2 { "Figures" }
-                @for drawing in &drawings {
-                    figure { (PreEscaped(drawing)) }
-                }
-                @if let Some(replay) = &replay {
-                    h2 { "Replay" }
-                    (replay.markup())
-                }
-                h2 { "Scores" }
-                (scores(&summary, &data("trials.csv")))
-                h2 { "Provenance" }
-                (provenance(&summary))
-                p {
-                    "Data: " a href=(data("trials.csv")) { "every trial" } ", "
-                    a href=(data("distribution.csv")) { "distributions of the errors" } ", "
-                    a href=(link.join("summary.json").display().to_string()) { "summary" } "."
-                }
-                details {
-                    summary { "The study's file" }
-                    pre class="scroll" { (serde_json::to_string_pretty(&summary.study)?) }
-                }
+                h1 { (content.title) }
+                p { (content.about) }
+                (content.body)
                 script { (PreEscaped(SCRIPT)) }
             }
         }
@@ -97,86 +82,8 @@ pub fn page(results: &Path, page: &Path) -> Result<String> {
     Ok(page.into_string())
 }
 
-/// The study's figures as SVG.
-fn drawings(study: &Study, results: &Path) -> Result<Vec<String>> {
-    let temporary = tempfile::tempdir()?;
-    figures::study::draw_into(study, results, temporary.path(), "svg")?
-        .iter()
-        .map(|path| std::fs::read_to_string(path).with_context(|| path.display().to_string()))
-        .collect()
-}
-
-/// Claims, what came out, and verdicts.
-fn claims(summary: &StudySummary) -> Markup {
-    html! {
-        div class="scroll" {
-            table {
-                tr { th { "claim" } th { "source" } th { "claimed" } th { "ours" } th { "verdict" } }
-                @for (claim, judged) in summary.study.claims.iter().zip(&summary.claims) {
-                    tr {
-                        td { (claim.claim) }
-                        td { (claim.source.as_deref().unwrap_or("")) }
-                        td { (claim.claimed.as_deref().unwrap_or("")) }
-                        td {
-                            (judged.ours)
-                            @if let Some([low, high]) = judged.interval {
-                                (format!(" [{low:.3}, {high:.3}]"))
-                            }
-                        }
-                        @match (judged.verdict, claim.kind) {
-                            (Verdict::Holds, Kind::Reproducible) => td class="holds" { "holds" },
-                            (Verdict::Holds, Kind::ByConstruction) => td { "holds by construction" },
-                            (Verdict::Fails, _) => td class="fails" { "does not hold" },
-                            (Verdict::NotTestable, _) => td { "cannot be tested" },
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// The scores of all cells and methods.
-fn scores(summary: &StudySummary, trials: &str) -> Markup {
-    let number = |cell: &CellScores, name: &str| {
-        let mean = cell.mean.get(name);
-        mean.map_or("\u{2013}".to_string(), |mean| format!("{mean:.4}"))
-    };
-    html! {
-        div class="scroll" {
-            table {
-                tr {
-                    th { "cell" } th { "method" }
-                    th class="number" { "MAE [m]" } th class="number" { "95 % interval [m]" }
-                    th class="number" { "90 % below [m]" } th class="number" { "heading [rad]" }
-                    th { "interval over" }
-                }
-                @for cell in &summary.cells {
-                    tr {
-                        td { @if cell.labels.is_empty() { "all" } @else { (cells::all_in_words(&cell.labels)) } }
-                        td { (cell.method.name()) }
-                        td class="number" { a href=(trials) { (number(cell, "mae_m")) } }
-                        td class="number" {
-                            @if let Some([low, high]) = cell.interval.get("mae_m") {
-                                (format!("{low:.4} to {high:.4}"))
-                            }
-                        }
-                        td class="number" { (number(cell, "p90_m")) }
-                        td class="number" { (number(cell, "heading_mae_rad")) }
-                        td {
-                            (cell.over())
-                            @if cell.failed > 0 { (format!("; {} of {} failed", cell.failed, cell.trials)) }
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
 /// Where the numbers come from.
-fn provenance(summary: &StudySummary) -> Markup {
-    let from = &summary.provenance;
+fn provenance(from: &Provenance) -> Markup {
     html! {
         div class="scroll" {
             table {

@@ -1,8 +1,9 @@
-//! The replay of a drive: paths of a study as data of the page's slider.
+//! The replay of a drive: paths as data of the page's slider.
 
 use std::path::Path;
 
 use anyhow::Result;
+use localizer::pose::wrap_angle;
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
@@ -38,7 +39,7 @@ struct Track {
 ///
 /// # Errors
 /// When a data file is damaged.
-pub(super) fn read(data: &Path) -> Result<Option<Replay>> {
+pub(super) fn of_study(data: &Path) -> Result<Option<Replay>> {
     let file = data.join("paths_0.csv");
     if !file.exists() {
         return Ok(None);
@@ -56,6 +57,66 @@ pub(super) fn read(data: &Path) -> Result<Option<Replay>> {
         walls: layout.walls,
         tracks,
     }))
+}
+
+/// The localization drive of the papers' studies by all methods; `None` where it was not studied.
+///
+/// # Errors
+/// When a data file is damaged.
+pub(super) fn of_papers(data: &Path) -> Result<Option<Replay>> {
+    let names = ["layout.json", "drive.csv", "drift_paths.csv"].map(|name| data.join(name));
+    if !names.iter().all(|file| file.exists()) {
+        return Ok(None);
+    }
+    let layout = Layout::read(data)?;
+    let table = Table::read(&names[2])?.only("trial", "0")?;
+    let mut tracks = Vec::new();
+    for method in table.distinct("method")? {
+        let found = track(&table, &method)?;
+        if tracks.is_empty() {
+            tracks.push(truth(&Table::read(&names[1])?, &found.t_s)?);
+        }
+        tracks.push(found);
+    }
+    Ok((tracks.len() > 1).then_some(Replay {
+        name: layout.name,
+        size_m: layout.size_m,
+        walls: layout.walls,
+        tracks,
+    }))
+}
+
+/// The true path of the localization drive at some times, between the rows of `drive.csv`.
+fn truth(drive: &Table, t_s: &[f64]) -> Result<Track> {
+    let rows = drive.only("path", "localization")?;
+    let times = rows.numbers("t_s")?;
+    let heading = rows.numbers("heading_rad")?;
+    let (x, y) = (rows.numbers("x_m")?, rows.numbers("y_m")?);
+    let mut track = Track {
+        name: method_style("truth").1,
+        colour: "var(--ink)".to_string(),
+        t_s: t_s.to_vec(),
+        x_m: Vec::new(),
+        y_m: Vec::new(),
+        heading_rad: Vec::new(),
+        error_m: vec![0.0; t_s.len()],
+    };
+    for &t in t_s {
+        let next = times
+            .partition_point(|&time| time <= t)
+            .clamp(1, times.len().max(2) - 1);
+        let (before, after) = (next - 1, next.min(times.len() - 1));
+        let way = (times[after] - times[before]).max(1e-9);
+        let share = ((t - times[before]) / way).clamp(0.0, 1.0);
+        let between = |from: f64, to: f64| rounded(from + share * (to - from));
+        track.x_m.push(between(x[before], x[after]));
+        track.y_m.push(between(y[before], y[after]));
+        let turn = wrap_angle(heading[after] - heading[before]);
+        track
+            .heading_rad
+            .push(rounded(heading[before] + share * turn));
+    }
+    Ok(track)
 }
 
 /// The path of a method.

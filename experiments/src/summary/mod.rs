@@ -9,4 +9,4 @@ pub use self::studies::{
     AxisErrors, DualCircle, Engine, FilterTime, Methods, NoiseCell, PeriodsCell, Reflections,
     ResolutionCell, SchemeAccuracy, Schemes, Site, StepTime, Summary, WindowCell,
 };
-pub use self::table::table;
+pub use self::table::{rows, table};

@@ -5,8 +5,8 @@ use super::studies::Summary;
 use crate::data::table::aligned;
 use crate::metrics::Accuracy;
 
-/// The accuracies of a summary as a table.
-pub fn table(summary: &Summary) -> String {
+/// The accuracies of a summary as rows of a table, its header first.
+pub fn rows(summary: &Summary) -> Vec<Vec<String>> {
     let mut rows = vec![
         [
             "study",
@@ -67,7 +67,12 @@ pub fn table(summary: &Summary) -> String {
     for (cell, accuracy) in summary.multipath.iter().flat_map(multipath_rows) {
         add("multipath", cell.into(), accuracy);
     }
-    let mut text = aligned(&rows);
+    rows
+}
+
+/// The accuracies of a summary as a table.
+pub fn table(summary: &Summary) -> String {
+    let mut text = aligned(&rows(summary));
     if let Some(time) = &summary.step_time_ms {
         text.push_str(&format!(
             "step time: Doppler bank {:.2} ms, filter {:.2} ms\n",

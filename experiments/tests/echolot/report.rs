@@ -5,7 +5,7 @@ use std::process::Command;
 
 use serde_json::json;
 
-use crate::room::{expect, refuse};
+use crate::room::{expect, project_file, refuse};
 use crate::studies::study_file;
 
 /// The page's document as a browser has it after its script ran; `None` where there is no browser.
@@ -18,6 +18,66 @@ fn opened(page: &Path, moment: &str) -> Option<String> {
         .output()
         .ok()?;
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// What the page says of a moment of the drive.
+fn said(document: &str) -> String {
+    let from = document
+        .find("<output>")
+        .unwrap_or_else(|| panic!("{document}"));
+    let to = document[from..].find("</output>").unwrap();
+    document[from + 8..from + to].to_string()
+}
+
+/// The page of the committed results of the papers' size.
+#[test]
+fn the_papers_page_is_whole_and_small() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    expect(
+        at,
+        &["report", &project_file("results/paper"), "-o", "paper.html"],
+    );
+    let file = at.join("paper.html");
+    let page = std::fs::read_to_string(&file).unwrap();
+    assert!(page.len() < 10 << 20, "{} bytes", page.len());
+    for word in [
+        "not reproduced",
+        "data/drift_paths.csv",
+        "report.md",
+        "fig04_scene_and_map",
+    ] {
+        assert!(page.contains(word), "{word}");
+    }
+    assert!(page.matches("<svg").count() > 10);
+    assert_eq!(
+        page.matches("src=").count(),
+        page.matches("src=\"data:image/png;").count()
+    );
+    let Some(start) = opened(&file, "") else {
+        eprintln!("skipped: chromium is not installed");
+        return;
+    };
+    // The first error of the first trial, as the data file has it.
+    let paths =
+        std::fs::read_to_string(project_file("results/paper/data/drift_paths.csv")).unwrap();
+    let first: f64 = paths
+        .lines()
+        .nth(1)
+        .unwrap()
+        .rsplit(',')
+        .next()
+        .unwrap()
+        .parse()
+        .unwrap();
+    let words = said(&start);
+    assert!(words.contains(&format!("Doppler {first:.4} m")), "{words}");
+    let later = said(&opened(&file, "#t=20").unwrap());
+    assert!(
+        later.starts_with("20.") || later.starts_with("19.9"),
+        "{later}"
+    );
+    assert_ne!(later, words);
 }
 
 #[test]
@@ -56,13 +116,6 @@ fn a_report_is_one_page_whose_replay_moves() {
     let Some(start) = opened(&file, "") else {
         eprintln!("skipped: chromium is not installed");
         return;
-    };
-    let said = |document: &str| {
-        let from = document
-            .find("<output>")
-            .unwrap_or_else(|| panic!("{document}"));
-        let to = document[from..].find("</output>").unwrap();
-        document[from + 8..from + to].to_string()
     };
     assert!(
         said(&start).starts_with("0.0 s \u{b7} odometry"),

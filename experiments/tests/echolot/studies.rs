@@ -234,7 +234,7 @@ fn a_study_replaces_only_its_own_results() {
         (&["run", quick, "--on", "slurm"][..], "--on"),
         (&["plan", quick][..], "echolot run"),
         (&["study", "draw", quick][..], "echolot run"),
-        (&["check", "mine.json"][..], "summary"),
+        (&["check", "mine.json"][..], "baseline"),
         (&["run", "no_such.json"][..], "no_such.json"),
         (&["study", "check", "room.json"][..], "room.json"),
     ] {

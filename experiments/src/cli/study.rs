@@ -9,6 +9,7 @@ use super::output::{print, print_json};
 use super::study_files::Loaded;
 use crate::figures;
 use crate::papers::{self, PaperStudy};
+use crate::study::Study;
 
 /// Arguments of `study`.
 #[derive(Debug, clap::Args)]
@@ -85,7 +86,7 @@ impl Arguments {
                 ))
             }
             Command::Draw { file, results } => {
-                let study = Loaded::of_cells(&file)?;
+                let study = Study::load(&file)?;
                 let drawn = figures::study::draw(&study, &results.join(&study.file.name))?;
                 if json {
                     return print_json(&drawn);

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
-use crate::papers::{Papers, is_of_papers};
-use crate::study::Study;
+use crate::papers::Papers;
+use crate::study::{Study, is_of_papers};
 
 /// What a study file holds.
 pub(super) enum Loaded {
@@ -22,17 +22,6 @@ impl Loaded {
         match is_of_papers(&text) {
             true => Papers::parse(&text, path).map(Self::Papers),
             false => Study::parse(&text, path).map(Self::Study),
-        }
-    }
-
-    /// A study of cells; the papers' studies are refused.
-    pub(super) fn of_cells(path: &Path) -> Result<Study> {
-        match Self::read(path)? {
-            Self::Study(study) => Ok(study),
-            Self::Papers(_) => bail!(
-                "{}: holds the papers' studies, which have no cells and run in one piece; use echolot run",
-                path.display()
-            ),
         }
     }
 

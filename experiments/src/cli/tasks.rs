@@ -7,7 +7,6 @@ use anyhow::{Context, Result};
 
 use super::arguments::{ForceArgument, threads};
 use super::output::{print, print_json};
-use super::study_files::Loaded;
 use crate::data::table::aligned;
 use crate::figures;
 use crate::session::Workspace;
@@ -37,7 +36,7 @@ impl StudyArguments {
                 .num_threads(self.threads)
                 .build_global()?;
         }
-        let study = Loaded::of_cells(&self.study)?;
+        let study = Study::load(&self.study)?;
         let cache = self.cache.clone();
         let workspace = Workspace::new(cache.unwrap_or_else(|| self.results.join("cache")), None);
         let plan =

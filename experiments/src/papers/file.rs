@@ -95,11 +95,6 @@ pub fn json_schema() -> serde_json::Value {
     schemars::schema_for!(AnyFile).to_value()
 }
 
-/// Whether the text of a study file is of the papers' studies.
-pub fn is_of_papers(text: &str) -> bool {
-    serde_json::from_str::<serde_json::Value>(text).is_ok_and(|file| file.get("papers").is_some())
-}
-
 /// The papers' studies of a file that has been checked.
 #[derive(Debug, Clone)]
 pub struct Papers {
@@ -292,6 +287,7 @@ fn each<T>(name: &str, values: &[T], put: impl Fn(&T, &mut Parameters)) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::is_of_papers;
 
     const FILE: &str = r#"{"name": "mine", "about": "?", "scene": "room.json", "papers": [
         {"study": "layout"}, {"study": "window-size", "half_widths_m": [1, 2.5]}]}"#;

@@ -32,7 +32,7 @@ use crate::run::provenance::peak_memory_mib;
 use crate::schedule::Job;
 use crate::summary::Summary;
 
-pub use self::file::{PaperSeeds, Papers, PapersFile, is_of_papers, json_schema};
+pub use self::file::{PaperSeeds, Papers, PapersFile, json_schema};
 pub use self::session::PaperSession;
 pub use self::study::{About, PaperStudy, STUDIES, SiteStudy};
 

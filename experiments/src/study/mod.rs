@@ -57,6 +57,12 @@ impl Study {
     /// # Errors
     /// As [`Study::load`].
     pub fn parse(text: &str, origin: &Path) -> Result<Self> {
+        if is_of_papers(text) {
+            bail!(
+                "{}: papers: these studies have no cells and run in one piece; use echolot run",
+                origin.display()
+            );
+        }
         let file: StudyFile = json::parse(text, origin)?;
         let folder = origin.parent().unwrap_or(Path::new("")).to_path_buf();
         Self::checked(file, folder).with_context(|| origin.display().to_string())
@@ -178,6 +184,11 @@ impl Study {
         };
         curves.chain([bars, FigureChoice::Cdf {}]).collect()
     }
+}
+
+/// Whether the text of a study file is of the papers' studies, which [`crate::papers`] reads.
+pub fn is_of_papers(text: &str) -> bool {
+    serde_json::from_str::<serde_json::Value>(text).is_ok_and(|file| file.get("papers").is_some())
 }
 
 /// Refuses a name that cannot be that of a folder.

@@ -317,7 +317,7 @@ fn the_projects_studies_are_whole() {
             continue;
         }
         let text = std::fs::read_to_string(&path).unwrap();
-        let of_papers = crate::papers::is_of_papers(&text);
+        let of_papers = is_of_papers(&text);
         count[usize::from(of_papers)] += 1;
         if of_papers {
             let mut papers = Papers::load(&path).unwrap();

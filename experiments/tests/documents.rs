@@ -191,14 +191,15 @@ fn lines_are_short() {
 fn claims_are_current() {
     let results = root().join("results");
     let summary = |name: &str| Summary::read(&results.join(name).join("summary.json")).unwrap();
-    let (paper, quick) = (summary("paper"), summary("quick"));
+    let paper = summary("paper");
+    let quick = readme::quick_runs(&results).unwrap();
     let targets = Targets::load().unwrap();
     let judged = judge(&targets, &paper).unwrap();
     let file = root().join("README.md");
     let text = read(&file);
     let blocks = [
         readme::claims(&targets, &judged),
-        readme::commands(Some(&quick), &paper),
+        readme::commands(&quick.iter().collect::<Vec<_>>(), &paper.provenance),
     ];
     assert!(
         readme::fill(&text, &file, &blocks).unwrap() == text,

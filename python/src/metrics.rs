@@ -8,6 +8,14 @@ use pyo3::prelude::*;
 use crate::arrays::of_poses;
 use crate::trajectory::Trajectory;
 
+/// Pairs of estimated and true poses at the estimates' times.
+fn pairs(estimate: &Trajectory, truth: &Trajectory) -> Vec<(Pose, Pose)> {
+    let track = &estimate.0;
+    let times = track.t_s.iter().copied();
+    let poses: Vec<(f64, Pose)> = times.zip(track.poses.iter().copied()).collect();
+    experiments::scores::associated(&poses, &truth.0)
+}
+
 /// Pairs of estimated and true poses at the estimates' times, each ``(n, 3)``.
 #[pyfunction]
 pub(crate) fn associated<'py>(
@@ -15,14 +23,7 @@ pub(crate) fn associated<'py>(
     estimate: &Trajectory,
     truth: &Trajectory,
 ) -> (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>) {
-    let track = &estimate.0;
-    let poses: Vec<(f64, Pose)> = track
-        .t_s
-        .iter()
-        .copied()
-        .zip(track.poses.iter().copied())
-        .collect();
-    let pairs = experiments::scores::associated(&poses, &truth.0);
+    let pairs = pairs(estimate, truth);
     (
         of_poses(py, pairs.iter().map(|pair| pair.0)),
         of_poses(py, pairs.iter().map(|pair| pair.1)),
@@ -38,19 +39,12 @@ pub(crate) fn errors<'py>(
     truth: &Trajectory,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     use experiments::ape_rpe::{aligned_errors_m, relative_errors_m};
-    let track = &estimate.0;
-    let poses: Vec<(f64, Pose)> = track
-        .t_s
-        .iter()
-        .copied()
-        .zip(track.poses.iter().copied())
-        .collect();
-    let pairs = experiments::scores::associated(&poses, &truth.0);
+    let pairs = pairs(estimate, truth);
     if pairs.len() < 2 {
         return Err(PyValueError::new_err(format!(
             "truth: covers {} of {} poses; give trajectories on the same clock",
             pairs.len(),
-            poses.len()
+            estimate.0.poses.len()
         )));
     }
     let (ours, theirs): (Vec<Pose>, Vec<Pose>) = pairs.into_iter().unzip();

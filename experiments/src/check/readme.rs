@@ -7,10 +7,9 @@ use anyhow::{Context, Result, bail};
 use super::report::{count, ours, verdict};
 use super::targets::Targets;
 use super::verdicts::Judged;
-use crate::data::atomic;
+use crate::data::{atomic, json};
 use crate::run::progress::duration;
 use crate::run::provenance::Provenance;
-use crate::summary::Summary;
 
 /// A generated part of a Markdown file: its name, and the text between its marks.
 pub struct Block {
@@ -54,21 +53,20 @@ pub fn claims(targets: &Targets, judged: &[Judged]) -> Block {
     }
 }
 
-/// The commands for newcomers, with the durations of the committed results.
-pub fn commands(quick: Option<&Summary>, paper: &Summary) -> Block {
-    let time = |summary: Option<&Summary>| {
-        summary.map_or_else(String::new, |summary| taken(&summary.provenance))
-    };
+/// The commands for newcomers, with the durations of the committed results: those of the quick studies, and of the
+/// papers' size.
+pub fn commands(quick: &[&Provenance], paper: &Provenance) -> Block {
     let mut text = String::from("| command | time | what comes out |\n|---|---|---|\n");
     for (command, time, what) in [
         (
             "make sim-quick",
-            time(quick),
-            "the whole chain in a small scene; a line per stage, then tables and figures in `results/quick`",
+            taken(quick),
+            "the whole chain in a small scene, and all methods in two drawn at random; a line per stage, then tables and \
+            figures in `results/quick` and `results/methods`",
         ),
         (
             "make sim-experiments",
-            time(Some(paper)),
+            taken(&[paper]),
             "the papers' studies in their size in `results/paper`; goes on where it was interrupted",
         ),
         (
@@ -92,13 +90,33 @@ pub fn commands(quick: Option<&Summary>, paper: &Summary) -> Block {
     }
 }
 
-/// Durations of a run's stages, and the machine.
-fn taken(provenance: &Provenance) -> String {
+/// Provenance of the quick studies whose results are in a folder, in the order in which they run.
+///
+/// # Errors
+/// When a summary is damaged.
+pub fn quick_runs(results: &Path) -> Result<Vec<Provenance>> {
+    #[derive(serde::Deserialize)]
+    struct Run {
+        provenance: Provenance,
+    }
+    let files = ["methods", "quick"].map(|name| results.join(name).join("summary.json"));
+    let there = files.iter().filter(|file| file.exists());
+    there
+        .map(|file| json::read::<Run>(file).map(|run| run.provenance))
+        .collect()
+}
+
+/// Durations of all stages of runs, and the machine of the first; nothing without a run.
+fn taken(runs: &[&Provenance]) -> String {
+    let Some(first) = runs.first() else {
+        return String::new();
+    };
+    let seconds = runs.iter().flat_map(|run| run.seconds.values()).sum();
     format!(
         "{} ({}, {} threads)",
-        duration(provenance.seconds.values().sum()),
-        provenance.cpu,
-        provenance.threads
+        duration(seconds),
+        first.cpu,
+        first.threads
     )
 }
 
@@ -159,13 +177,19 @@ pub fn insert(file: &Path, blocks: &[Block]) -> Result<()> {
 mod tests {
     use super::*;
     use crate::check::verdicts::judge;
+    use crate::summary::Summary;
 
     #[test]
     fn blocks_replace_the_text_between_their_marks() {
         let targets = Targets::load().unwrap();
         let summary = Summary::named("paper");
         let judged = judge(&targets, &summary).unwrap();
-        let blocks = || [claims(&targets, &judged), commands(None, &summary)];
+        let blocks = || {
+            [
+                claims(&targets, &judged),
+                commands(&[], &summary.provenance),
+            ]
+        };
         let folder = tempfile::tempdir().unwrap();
         let readme = folder.path().join("README.md");
         let old = "a\n<!-- claims: begin -->\nold\n<!-- claims: end -->\nb\n";

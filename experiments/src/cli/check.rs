@@ -154,11 +154,10 @@ impl Arguments {
         let folder = self.results.join(&papers.file.name);
         report::write(&folder, &targets, &judged, &summary)?;
         if let Some(file) = &self.into {
-            let quick = self.results.join("quick/summary.json");
-            let quick = quick.exists().then(|| Summary::read(&quick)).transpose()?;
+            let quick = readme::quick_runs(&self.results)?;
             let blocks = [
                 readme::claims(&targets, &judged),
-                readme::commands(quick.as_ref(), &summary),
+                readme::commands(&quick.iter().collect::<Vec<_>>(), &summary.provenance),
             ];
             readme::insert(file, &blocks)?;
         }

@@ -126,9 +126,18 @@ impl Arguments {
                 .num_threads(self.threads)
                 .build_global()?;
         }
-        let mut studies = Vec::new();
+        let mut studies: Vec<(Loaded, PathBuf)> = Vec::new();
         for file in files(&self.studies)? {
-            studies.push((self.load(&file)?, file));
+            let study = self.load(&file)?;
+            if let Some((_, other)) = studies.iter().find(|(s, _)| s.name() == study.name()) {
+                bail!(
+                    "{}: name: {} is that of {} too, and so is the folder of results; rename one",
+                    file.display(),
+                    study.name(),
+                    other.display()
+                );
+            }
+            studies.push((study, file));
         }
         let workspace = Workspace::new(self.cache(), self.side_by_side);
         let mut said = Vec::new();
@@ -138,10 +147,10 @@ impl Arguments {
                 Loaded::Papers(papers) => self.run_papers(papers, &workspace, json)?,
             });
         }
-        match (json && !self.dry_run, said.len()) {
-            (false, _) => Ok(()),
-            (true, 1) => print_json(&said[0]),
-            (true, _) => print_json(&said),
+        match (&studies[..], &said[..]) {
+            _ if !json || self.dry_run => Ok(()),
+            ([(Loaded::Papers(_), _)], [summary]) => print_json(summary),
+            _ => print_json(&said),
         }
     }
 

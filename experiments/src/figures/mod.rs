@@ -155,6 +155,12 @@ const SITE_FIGURES: &[Figure] = &[
     },
 ];
 
+/// Names of the data files that the figures are drawn from.
+pub(crate) fn data_files() -> impl Iterator<Item = &'static str> {
+    let figures = FIGURES.iter().chain(SITE_FIGURES);
+    figures.flat_map(|figure| figure.needs.iter().copied())
+}
+
 /// Outcome of a figure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Drawn {

@@ -6,6 +6,7 @@ mod dual_circle;
 mod engine;
 mod file;
 mod layout;
+mod limits;
 mod multipath;
 mod odometry_drift;
 mod periods;
@@ -25,6 +26,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result};
 
 use self::stages::{note_simulations, stage};
+use crate::figures;
 use crate::recordings::spec::RecordingSpec;
 use crate::run::interrupt;
 use crate::run::progress::duration;
@@ -83,6 +85,7 @@ fn begun(session: &PaperSession, path: &Path) -> Result<Summary> {
     let earlier = Summary::read(path)?;
     let agrees = |file: &PapersFile| session.papers.agrees_with(file);
     if !earlier.study.as_ref().is_none_or(agrees) {
+        remove_data(session.results())?;
         return Ok(new);
     }
     new.provenance.seconds = earlier.provenance.seconds.clone();
@@ -94,6 +97,19 @@ fn begun(session: &PaperSession, path: &Path) -> Result<Summary> {
         provenance: new.provenance,
         ..earlier
     })
+}
+
+/// Removes what figures would be drawn of: the data files of studies of another scene, robot or values.
+fn remove_data(results: &Path) -> Result<()> {
+    for folder in [results.to_path_buf(), results.join("site")] {
+        for name in figures::data_files() {
+            let file = folder.join("data").join(name);
+            if file.exists() {
+                std::fs::remove_file(&file).with_context(|| file.display().to_string())?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The recordings of the session's scene that studies need.

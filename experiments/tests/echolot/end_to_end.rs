@@ -5,7 +5,7 @@ use std::time::SystemTime;
 
 use serde_json::Value;
 
-use crate::room::{echolot, expect, scene_file};
+use crate::room::{echolot, expect, project_file, refuse, scene_file};
 
 fn json(folder: &Path, arguments: &[&str]) -> Value {
     let all = [arguments, &["--json"]].concat();
@@ -216,4 +216,43 @@ fn trials_with_noise_do_not_depend_on_their_company() {
     rows.sort_unstable();
     rows.dedup();
     assert_eq!(rows.len(), 9, "{together}");
+}
+
+/// Results of another scene, robot or values do not stand beside new ones, nor do figures of them.
+#[test]
+fn another_files_results_do_not_mix() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let write = |name: &str, bias: f64| {
+        let text = format!(
+            r#"{{"name": "mine", "about": "Two.", "scene": "{}", "papers": [{{"study": "odometry-drift"}},
+            {{"study": "periods", "periods": [6]}}], "set": {{"localizer.window_half_width_m": 2,
+            "robot.odometry_bias_radps": {bias}}}}}"#,
+            project_file("scenes/quick.json")
+        );
+        std::fs::write(at.join(name), text).unwrap();
+    };
+    let run = |file: &str, only: &str| {
+        let images = ["--engine", "image-source", "--no-figures"];
+        json(at, &[&["run", file, "--only", only][..], &images].concat())
+    };
+    write("mine.json", 0.01);
+    let periods = at.join("results/mine/data/periods.csv");
+    run("mine.json", "periods");
+    let both = run("mine.json", "odometry-drift");
+    assert!(periods.exists() && both["periods"].is_array(), "{both}");
+    let first = both["odometry_drift"]["odometry"]["mae_m"]
+        .as_f64()
+        .unwrap();
+    write("mine.json", 0.02);
+    let other = run("mine.json", "odometry-drift");
+    assert!(!periods.exists() && other["periods"].is_null(), "{other}");
+    let second = other["odometry_drift"]["odometry"]["mae_m"]
+        .as_f64()
+        .unwrap();
+    assert!(second > 1.5 * first, "{first} {second}");
+    // Two files of one name would write the same folder.
+    write("twin.json", 0.01);
+    let refused = refuse(at, &["run", "mine.json", "twin.json"]);
+    assert!(refused.contains("twin.json: name: mine"), "{refused}");
 }

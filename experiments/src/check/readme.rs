@@ -61,8 +61,8 @@ pub fn commands(quick: &[&Provenance], paper: &Provenance) -> Block {
         (
             "make sim-quick",
             taken(quick),
-            "the whole chain in a small scene, and all methods in two drawn at random; a line per stage, then tables and \
-            figures in `results/quick` and `results/methods`",
+            "the whole chain in a small scene, and all methods in two drawn at random; a line per stage, then tables \
+            and figures in `results/quick` and `results/methods`",
         ),
         (
             "make sim-experiments",

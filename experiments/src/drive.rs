@@ -63,6 +63,14 @@ impl<'a> Drive<'a> {
         }
     }
 
+    /// Duration of the sound in seconds.
+    pub fn duration_s(&self) -> f64 {
+        match self.sound {
+            Sound::Folder(source) => source.duration_s(),
+            Sound::Loaded(recording) => recording.duration_s(),
+        }
+    }
+
     /// Refuses a dead microphone, see [`quality::check_signal`].
     ///
     /// # Errors

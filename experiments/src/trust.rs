@@ -36,6 +36,11 @@ impl Warnings {
         self.0.extend(warnings);
     }
 
+    /// The warnings in their order, to look at.
+    pub fn so_far(&self) -> &[String] {
+        &self.0
+    }
+
     /// The warnings in their order.
     pub fn lines(self) -> Vec<String> {
         self.0

@@ -263,8 +263,14 @@ pub(crate) fn localize(
                 parameters.check()?;
                 warnings.extend(contradictions(&map.parameters, &parameters));
                 let begin = (start.unwrap_or_default(), seed);
-                let found =
-                    localization::by_images(&drive, map, &parameters, begin, &mut warnings)?;
+                let found = localization::by_images(
+                    &drive,
+                    map,
+                    &parameters,
+                    begin,
+                    &mut warnings,
+                    &mut |_, _| (),
+                )?;
                 let told = found.estimates.iter();
                 Ok((
                     told.map(|one| Told::of_images(one, &parameters)).collect(),
@@ -280,8 +286,14 @@ pub(crate) fn localize(
                 measurement.periods = periods.unwrap_or(measurement.periods);
                 parameters.check()?;
                 let start = landmark_start(start, start_sigma);
-                let found =
-                    localization::among_landmarks(&drive, map, &parameters, &start, &mut warnings)?;
+                let found = localization::among_landmarks(
+                    &drive,
+                    map,
+                    &parameters,
+                    &start,
+                    &mut warnings,
+                    &mut |_, _| (),
+                )?;
                 Ok((
                     found.iter().map(Told::from).collect::<Vec<_>>(),
                     found
@@ -326,11 +338,11 @@ pub(crate) fn slam(
     let (drive, warnings) = background::run(py, progress, move |control| {
         let mut warnings = Warnings::default();
         let drive = Drive::loaded(&sound, &name);
-        let found =
-            localization::without_map(&drive, &own, start, &mut warnings, &mut |done, all| {
-                control.set(done, all);
-                Ok(control.check()?)
-            })?;
+        let mut each = |[done, all]: [u64; 2], _: &_, _: &_| {
+            control.set(done, all);
+            Ok(control.check()?)
+        };
+        let found = localization::without_map(&drive, &own, start, &mut warnings, &mut each)?;
         Ok((found, warnings))
     })?;
     warn(py, warnings)?;

@@ -59,9 +59,19 @@ pub(super) fn trajectory(estimates: &[Estimate], reading_s: f64) -> Trajectory {
 pub(super) const HEADER: &str = "t_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_mrad,yh_mrad,hh_rad2,status,\
     effective_sample_size,latest_s,latest_x_m,latest_y_m,latest_heading_rad,fit,trust\n";
 
-/// Whether bytes are a file of [`table`].
+/// How far to trust an estimate by images.
+pub(super) fn trust(fit: &Fit) -> &'static str {
+    if fit.sure { "sure" } else { "doubtful" }
+}
+
+/// First line of a table of estimates among landmarks.
+pub(super) const HEADER_AMONG_LANDMARKS: &str = "t_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_mrad,yh_mrad,hh_rad2,\
+    status,fit,hypotheses,latest_s,latest_x_m,latest_y_m,latest_heading_rad,turn_rate_error_radps,speed_error,\
+    speed_of_sound_mps\n";
+
+/// Whether bytes are a table of estimates by any method.
 pub(super) fn is_table(bytes: &[u8]) -> bool {
-    bytes.starts_with(HEADER.as_bytes())
+    bytes.starts_with(HEADER.as_bytes()) || bytes.starts_with(HEADER_AMONG_LANDMARKS.as_bytes())
 }
 
 /// The table of a whole drive: estimates and fits correspond.
@@ -77,7 +87,7 @@ pub(super) fn table(
     let end_s = rest * parameters.period_s();
     for (estimate, fit) in estimates.iter().zip(fits) {
         let status = status(estimate, by_wheels);
-        let trust = if fit.sure { "sure" } else { "doubtful" };
+        let trust = trust(fit);
         let [[xx, xy, xh], [_, yy, yh], [.., hh]] = estimate.covariance;
         let (pose, latest) = (estimate.pose, estimate.latest);
         // Writing to a string cannot fail.
@@ -137,6 +147,29 @@ impl Scored {
             report[field] = value.into();
         }
         report
+    }
+
+    /// The errors as names and numbers of a table.
+    pub(super) fn rows(&self) -> Vec<[String; 2]> {
+        let Some(scores) = &self.scores else {
+            return vec![["error".into(), "not known: there is no truth".into()]];
+        };
+        let metres = |name: &str, value: f64| [name.to_string(), format!("{value:.4} m")];
+        vec![
+            metres("mean error (MAE)", scores.mae_m),
+            metres("root mean square", scores.rmse_m),
+            metres("90 % below", scores.p90_m),
+            metres("largest", scores.max_m),
+            metres("at the end", scores.final_m),
+            [
+                "heading, mean".into(),
+                format!("{:.4} rad", scores.heading_mae_rad),
+            ],
+            [
+                "covered by the truth".into(),
+                format!("{:.0} % of the drive", 100.0 * self.coverage),
+            ],
+        ]
     }
 
     /// Prints the mean error.

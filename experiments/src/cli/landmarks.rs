@@ -3,15 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use localizer::filter::motion_model::dead_reckon;
+use localizer::echo::EchoBlock;
+use localizer::io::recording_source::RecordingSource;
 use localizer::landmarks::{Estimate, LandmarkMap, Start, Status};
-use localizer::{Parameters, Pose, Recording, Trajectory};
+use localizer::{Parameters, Pose, Trajectory};
 
-use super::estimates::Scored;
+use super::estimates::{HEADER_AMONG_LANDMARKS, Scored};
 use super::output::{print, print_json};
+use super::shown::{self, ShownArguments};
 use crate::data::{atomic, estimate, manifest};
 use crate::drive::Drive;
-use crate::figures;
 use crate::figures::localization::{Background, Localization};
 use crate::localization::{self, status_name};
 use crate::metrics::{mean, rounded};
@@ -49,8 +50,8 @@ pub(super) fn write_map(map: &LandmarkMap, output: &Path, json: bool) -> Result<
 pub(super) struct Wanted<'a> {
     /// The trajectory; the table lies beside it.
     pub(super) output: &'a Path,
-    /// A picture.
-    pub(super) figure: Option<&'a Path>,
+    /// Picture and page.
+    pub(super) shown: &'a ShownArguments,
     /// What the clock of the estimates' times shows at the first period.
     pub(super) reading_s: f64,
     /// Whether the report is JSON.
@@ -61,7 +62,7 @@ pub(super) struct Wanted<'a> {
 /// covariance and status.
 pub(super) fn localize(
     folder: &Path,
-    recording: &Recording,
+    source: &RecordingSource,
     map: &LandmarkMap,
     parameters: &Parameters,
     start: &Start,
@@ -71,33 +72,54 @@ pub(super) fn localize(
     let task = Board::new().task("localize", 1);
     let mut warnings = Warnings::default();
     warnings.extend(trust::changed(folder));
-    let drive = Drive::loaded(recording, folder);
-    let estimates = localization::among_landmarks(&drive, map, parameters, start, &mut warnings)?;
+    let drive = Drive::of_folder(source, folder);
+    let mut frames = wanted.shown.frames(parameters, source.duration_s());
+    let mut look_on = |block: &EchoBlock, poses: &[Pose]| {
+        if let Some(frames) = &mut frames {
+            frames.add(block, poses);
+        }
+    };
+    let estimates =
+        localization::among_landmarks(&drive, map, parameters, start, &mut warnings, &mut look_on)?;
     task.finish();
     let last = estimates.last().context("no estimate")?;
-    let trajectory = Trajectory {
-        t_s: estimates.iter().map(|estimate| estimate.t_s).collect(),
-        poses: estimates.iter().map(|estimate| estimate.pose).collect(),
-    };
     let table = write(output, &estimates, wanted.reading_s)?;
-    let (scored, latest) = scored(recording, &estimates);
-    if let Some(picture) = wanted.figure {
-        let fit: Vec<f64> = estimates.iter().map(|estimate| estimate.fit).collect();
-        let wheels = dead_reckon(recording, parameters, recording.start_pose());
-        let shown = Localization {
-            map: Background::Landmarks(map),
-            path: &trajectory,
-            truth: recording.truth.as_ref(),
-            wheels: &wheels,
-            fit: &fit,
-            fit_label: ["share", "(c) expected echoes that were found"],
-        };
-        figures::localization::draw(&shown, picture)?;
-        eprintln!("wrote {}", picture.display());
-    }
+    let (scored, latest) = scored(source.truth.as_ref(), &estimates);
     scored.warn(&mut warnings);
     let shares =
         [Status::Sure, Status::Converging, Status::Lost].map(|status| share(&estimates, status));
+    let fit: Vec<f64> = estimates.iter().map(|estimate| estimate.fit).collect();
+    let told = format!(
+        "sure {:.0} %, converging {:.0} %, lost {:.0} % of the drive; found {:.0} % of the expected echoes\n",
+        100.0 * shares[0],
+        100.0 * shares[1],
+        100.0 * shares[2],
+        100.0 * mean(&fit),
+    );
+    if last.status == Status::Lost {
+        warnings.add("lost at the end: the echoes do not fit the map there");
+    }
+    let begin = match *start {
+        Start::Known { pose, .. } => pose,
+        Start::Unknown => source.start_pose(),
+    };
+    let shown = Localization {
+        map: Background::Landmarks(map),
+        path: &trajectory(&estimates),
+        truth: source.truth.as_ref(),
+        wheels: &shown::wheels(source, parameters, begin),
+        fit: &fit,
+        fit_label: ["share", "(c) expected echoes that were found"],
+    };
+    let name = folder.display().to_string();
+    let words = shown::words(
+        [&name, "landmarks"],
+        &scored,
+        &told,
+        &warnings,
+        statuses(&estimates),
+    );
+    wanted.shown.show(&shown, frames, words)?;
     if json {
         let report = serde_json::json!({
             "estimate": output,
@@ -106,7 +128,7 @@ pub(super) fn localize(
             "latest_mae_m": latest.map(|scores| scores.mae_m),
             "warnings": warnings.tell(),
             "status": {"sure": rounded(shares[0]), "converging": rounded(shares[1]), "lost": rounded(shares[2])},
-            "fit": rounded(mean(&estimates.iter().map(|estimate| estimate.fit).collect::<Vec<_>>())),
+            "fit": rounded(mean(&fit)),
             "speed_of_sound_mps": rounded(last.speed_of_sound_mps),
             "turn_rate_error_radps": rounded(last.turn_rate_error_radps),
             "speed_error": rounded(last.speed_error),
@@ -119,24 +141,8 @@ pub(super) fn localize(
         table.display(),
         estimates.len()
     );
-    let text = format!(
-        "sure {:.0} %, converging {:.0} %, lost {:.0} % of the drive; found {:.0} % of the expected echoes\n",
-        100.0 * shares[0],
-        100.0 * shares[1],
-        100.0 * shares[2],
-        100.0
-            * mean(
-                &estimates
-                    .iter()
-                    .map(|estimate| estimate.fit)
-                    .collect::<Vec<_>>()
-            ),
-    );
-    print(&text)?;
+    print(&told)?;
     scored.tell()?;
-    if last.status == Status::Lost {
-        warnings.add("lost at the end: the echoes do not fit the map there");
-    }
     warnings.tell();
     Ok(())
 }
@@ -154,6 +160,19 @@ pub(super) fn write(output: &Path, estimates: &[Estimate], reading_s: f64) -> Re
     Ok(table)
 }
 
+/// The poses over the time of the sound.
+pub(super) fn trajectory(estimates: &[Estimate]) -> Trajectory {
+    Trajectory {
+        t_s: estimates.iter().map(|e| e.t_s).collect(),
+        poses: estimates.iter().map(|e| e.pose).collect(),
+    }
+}
+
+/// What every estimate says of itself.
+pub(super) fn statuses(estimates: &[Estimate]) -> Vec<&'static str> {
+    estimates.iter().map(|e| status_name(e.status)).collect()
+}
+
 /// Share of the estimates that have a status.
 pub(super) fn share(estimates: &[Estimate], status: Status) -> f64 {
     let with = estimates.iter().filter(|e| e.status == status).count();
@@ -161,8 +180,11 @@ pub(super) fn share(estimates: &[Estimate], status: Status) -> f64 {
 }
 
 /// Scores of the poses at the blocks' instants, and of those at the newest sample.
-pub(super) fn scored(recording: &Recording, estimates: &[Estimate]) -> (Scored, Option<Scores>) {
-    let Some(truth) = &recording.truth else {
+pub(super) fn scored(
+    truth: Option<&Trajectory>,
+    estimates: &[Estimate],
+) -> (Scored, Option<Scores>) {
+    let Some(truth) = truth else {
         let none = Scored {
             scores: None,
             coverage: 0.0,
@@ -184,17 +206,9 @@ pub(super) fn scored(recording: &Recording, estimates: &[Estimate]) -> (Scored, 
     (scored, latest)
 }
 
-/// Whether bytes are a table that this command wrote.
-pub(super) fn is_table(bytes: &[u8]) -> bool {
-    bytes.starts_with(csv(&[], 0.0).as_bytes())
-}
-
 /// The estimates as a table, on a clock that shows `reading_s` at the first period.
 fn csv(estimates: &[Estimate], reading_s: f64) -> String {
-    let mut text = String::from(
-        "t_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_mrad,yh_mrad,hh_rad2,status,fit,hypotheses,latest_s,latest_x_m,\
-         latest_y_m,latest_heading_rad,turn_rate_error_radps,speed_error,speed_of_sound_mps\n",
-    );
+    let mut text = String::from(HEADER_AMONG_LANDMARKS);
     for e in estimates {
         let [[xx, xy, xh], [_, yy, yh], [.., hh]] = e.covariance;
         let status = status_name(e.status);

@@ -4,26 +4,24 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use localizer::filter::motion_model::advance;
+use localizer::echo::EchoBlock;
 use localizer::io::recording_source::RecordingSource;
-use localizer::landmarks::{LandmarkMap, Start};
-use localizer::odometry::mean_over_time;
-use localizer::pose::wrap_angle;
-use localizer::{Estimate, MapImage, Method, Parameters, Pose, Trajectory, offline};
+use localizer::landmarks::LandmarkMap;
+use localizer::{MapImage, Method, Parameters, Pose, offline};
 
 use super::alignment::AlignmentArguments;
 use super::arguments::{ForceArgument, ParameterArguments, files_of_map, files_of_recording};
 use super::estimates::{self, Clock, Scored};
 use super::landmarks;
 use super::output::{print, print_json};
+use super::shown::{self, ShownArguments};
+use super::start::{self, StartArgument, start, start_sigma};
 use crate::data::atomic;
 use crate::data::estimate;
 use crate::data::place::Place;
 use crate::drive::Drive;
-use crate::figures;
-use crate::figures::drawing::png;
 use crate::figures::localization::{Background, Localization};
-use crate::localization::{self, ByImages, START_SIGMA};
+use crate::localization::{self, ByImages};
 use crate::metrics::{quantile, rounded};
 use crate::run::progress::Board;
 use crate::scores::Scores;
@@ -97,9 +95,8 @@ pub(crate) struct Arguments {
     /// Clock of the estimates' times; the truth's where there is one, else the wheels'.
     #[arg(long, value_enum)]
     clock: Option<Clock>,
-    /// Picture of path, truth and wheels over the map, error and fit over time (PNG).
-    #[arg(long, value_name = "PNG")]
-    figure: Option<PathBuf>,
+    #[command(flatten)]
+    shown: ShownArguments,
     #[command(flatten)]
     parameters: ParameterArguments,
     #[command(flatten)]
@@ -108,63 +105,14 @@ pub(crate) struct Arguments {
     force: ForceArgument,
 }
 
-/// Start of a drive.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum StartArgument {
-    Pose(Pose),
-    Unknown,
-}
-
-/// Reads `X,Y,DEG` or `unknown`.
-pub(super) fn start(text: &str) -> Result<StartArgument, String> {
-    if text == "unknown" {
-        return Ok(StartArgument::Unknown);
-    }
-    let numbers: Vec<f64> = text
-        .split(',')
-        .filter_map(|part| part.trim().parse().ok())
-        .collect();
-    match numbers[..] {
-        [x_m, y_m, degrees]
-            if text.split(',').count() == 3 && numbers.iter().all(|x| x.abs() <= FARTHEST) =>
-        {
-            Ok(StartArgument::Pose(Pose {
-                x_m,
-                y_m,
-                heading_rad: wrap_angle(degrees.to_radians()),
-            }))
-        }
-        _ => Err("give three numbers as in 1.5,2,90, or unknown".into()),
-    }
-}
-
-/// Reads `M,DEG` as metres and radians.
-pub(super) fn start_sigma(text: &str) -> Result<[f64; 2], String> {
-    let numbers: Option<Vec<f64>> = text
-        .split(',')
-        .map(|part| part.trim().parse().ok())
-        .collect();
-    match numbers.as_deref() {
-        Some(&[metres, degrees])
-            if (0.0..=100.0).contains(&metres) && (0.0..=180.0).contains(&degrees) =>
-        {
-            Ok([metres, degrees.to_radians()])
-        }
-        _ => Err("give two numbers as in 0.1,5: at most 100 m and 180 degrees".into()),
-    }
-}
-
 /// Share of sure estimates below which a run is told to be doubtful.
 const SURE_ENOUGH: f64 = 0.8;
-/// Largest number of a start.
-const FARTHEST: f64 = 1e5;
 
 impl Arguments {
     /// Localizes among landmarks.
     fn among_landmarks(&self, source: RecordingSource, json: bool) -> Result<()> {
         let clock = self.clock.unwrap_or_else(|| Clock::usual(&source));
         let reading_s = clock.reading_s(&source);
-        let recording = source.load()?;
         for (option, given) in [
             ("--window", self.window.is_some()),
             ("--particles", self.particles.is_some()),
@@ -178,29 +126,19 @@ impl Arguments {
             Some(_) => self.parameters.read()?,
             None => map.parameters.clone(),
         }
-        .for_recording(&recording.meta);
+        .for_recording(&source.meta);
         parameters.measurement.periods = self.periods.unwrap_or(parameters.measurement.periods);
         parameters.check()?;
-        let [sigma_m, sigma_rad] = self.start_sigma.unwrap_or(START_SIGMA);
-        let known = |pose| Start::Known {
-            pose,
-            sigma_m,
-            sigma_rad,
-        };
-        let start = match self.start {
-            Some(StartArgument::Unknown) => Start::Unknown,
-            Some(StartArgument::Pose(pose)) => known(pose),
-            None => known(recording.start_pose()),
-        };
+        let start = start::among_landmarks(self.start, self.start_sigma, source.start_pose());
         landmarks::localize(
             &self.recording,
-            &recording,
+            &source,
             &map,
             &parameters,
             &start,
             &landmarks::Wanted {
                 output: &self.output,
-                figure: self.figure.as_deref(),
+                shown: &self.shown,
                 reading_s,
                 json,
             },
@@ -225,18 +163,12 @@ impl Arguments {
                 table.display()
             );
         }
-        place(&table).file(match self.method {
-            MethodArgument::Landmarks => landmarks::is_table,
-            _ => estimates::is_table,
-        })?;
-        match &self.figure {
-            Some(picture) => Place {
-                inputs: [inputs, vec![self.output.clone(), table]].concat(),
-                ..Place::of(picture, self.force.force)
-            }
-            .file(png::is_ours),
-            None => Ok(()),
-        }
+        place(&table).file(estimates::is_table)?;
+        let others = [self.output.clone(), table];
+        self.shown.check(&|path| Place {
+            inputs: [inputs.as_slice(), &others].concat(),
+            ..Place::of(path, self.force.force)
+        })
     }
 
     /// Warnings on what the recording and the parameters say.
@@ -276,11 +208,25 @@ impl Arguments {
         let parameters = self.of_images(&map, &drive, method)?;
         let mut warnings = self.words(&source, &map, &parameters);
         let task = Board::new().task("localize", 1);
+        let mut frames = self.shown.frames(&parameters, source.duration_s());
+        let mut look_on = |block: &EchoBlock, poses: &[Pose]| {
+            if let Some(frames) = &mut frames {
+                frames.add(block, poses);
+            }
+        };
+        let begin = (start, self.seed);
         let ByImages {
             estimates,
             fits,
             code,
-        } = localization::by_images(&drive, &map, &parameters, (start, self.seed), &mut warnings)?;
+        } = localization::by_images(
+            &drive,
+            &map,
+            &parameters,
+            begin,
+            &mut warnings,
+            &mut look_on,
+        )?;
         task.finish();
         let table = self.output.with_extension("csv");
         let clock = self.clock.unwrap_or_else(|| Clock::usual(&source));
@@ -288,16 +234,6 @@ impl Arguments {
         estimate::write(&self.output, &estimates::trajectory(&estimates, reading_s))?;
         let text = estimates::table(&estimates, &fits, &parameters, reading_s);
         atomic::write(&table, text.as_bytes())?;
-        if let Some(picture) = &self.figure {
-            let fit: Vec<f64> = fits.iter().map(|fit| fit.fit).collect();
-            self.draw(
-                &source,
-                &map,
-                &parameters,
-                (start, &estimates, &fit),
-                picture,
-            )?;
-        }
         let sure = fits.iter().filter(|fit| fit.sure).count() as f64 / fits.len().max(1) as f64;
         let fit = quantile(&fits.iter().map(|fit| fit.fit).collect::<Vec<_>>(), 0.5);
         if sure < SURE_ENOUGH {
@@ -318,6 +254,28 @@ impl Arguments {
             has_truth: source.truth.is_some(),
         };
         scored.warn(&mut warnings);
+        let code_told = code.map_or("no code looked for".to_string(), |share| {
+            format!("code found in {:.0} % of the blocks", 100.0 * share)
+        });
+        let told = format!(
+            "{code_told}; fit {fit:.1} sigma; sure {:.0} % of the time\n",
+            100.0 * sure
+        );
+        let fit_of_each: Vec<f64> = fits.iter().map(|fit| fit.fit).collect();
+        let shown = Localization {
+            map: Background::Image(&map),
+            path: &offline::trajectory(&estimates),
+            truth: source.truth.as_ref(),
+            wheels: &shown::wheels(&source, &parameters, start),
+            fit: &fit_of_each,
+            fit_label: ["sigma", "(c) fit of the echoes"],
+        };
+        let name = self.recording.display().to_string();
+        let method = self.method.to_possible_value();
+        let method = method.as_ref().map_or("", |value| value.get_name());
+        let status = fits.iter().map(estimates::trust).collect();
+        let words = shown::words([&name, method], &scored, &told, &warnings, status);
+        self.shown.show(&shown, frames, words)?;
         if json {
             let report = serde_json::json!({
                 "estimate": self.output,
@@ -336,50 +294,9 @@ impl Arguments {
             table.display(),
             estimates.len()
         );
-        let code = code.map_or("no code looked for".to_string(), |share| {
-            format!("code found in {:.0} % of the blocks", 100.0 * share)
-        });
-        print(&format!(
-            "{code}; fit {fit:.1} sigma; sure {:.0} % of the time\n",
-            100.0 * sure
-        ))?;
+        print(&told)?;
         scored.tell()?;
         warnings.tell();
-        Ok(())
-    }
-
-    /// Draws path, truth and wheels over the map.
-    fn draw(
-        &self,
-        source: &RecordingSource,
-        map: &MapImage,
-        parameters: &Parameters,
-        (start, found, fit): (Pose, &[Estimate], &[f64]),
-        picture: &Path,
-    ) -> Result<()> {
-        let period_s = parameters.period_s();
-        let mut wheels = Trajectory {
-            t_s: vec![0.0],
-            poses: vec![start],
-        };
-        let mut pose = start;
-        for number in 0..(source.duration_s() / period_s) as usize {
-            let [from_s, to_s] = [number, number + 1].map(|n| n as f64 * period_s);
-            let mean = mean_over_time(&source.odometry, from_s, to_s);
-            pose = advance(&pose, mean, period_s, parameters.filter.integration);
-            wheels.t_s.push(to_s);
-            wheels.poses.push(pose);
-        }
-        let shown = Localization {
-            map: Background::Image(map),
-            path: &offline::trajectory(found),
-            truth: source.truth.as_ref(),
-            wheels: &wheels,
-            fit,
-            fit_label: ["sigma", "(c) fit of the echoes"],
-        };
-        figures::localization::draw(&shown, picture)?;
-        eprintln!("wrote {}", picture.display());
         Ok(())
     }
 

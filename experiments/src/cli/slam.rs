@@ -4,22 +4,22 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use fdtd::scene::Scene;
-use localizer::filter::motion_model::dead_reckon;
+use localizer::Trajectory;
 use localizer::io::recording_source::{ReadOptions, RecordingSource};
 use localizer::landmarks::{self, Status};
-use localizer::{Parameters, Recording, Trajectory};
 
 use super::arguments::{ForceArgument, ParameterArguments, files_of_recording};
-use super::estimates::Clock;
-use super::landmarks::{is_table, scored, share, write};
+use super::estimates::{self, Clock};
+use super::landmarks::{scored, share, statuses, trajectory, write};
 use super::output::{print, print_json};
+use super::shown::{self, ShownArguments};
 use crate::data::layout::Layout;
 use crate::data::place::Place;
 use crate::data::{estimate, manifest};
 use crate::drive::Drive;
 use crate::figures;
-use crate::figures::drawing::png;
 use crate::figures::landmarks::{ESTIMATE, NamedPath, TRUTH, WHEELS};
+use crate::figures::localization::{Background, Localization};
 use crate::localization;
 use crate::mapping::MapKind;
 use crate::metrics::rounded;
@@ -47,6 +47,9 @@ pub(crate) struct Arguments {
     /// Picture of the map and the paths (PNG).
     #[arg(long, value_name = "FILE.png")]
     figure: Option<PathBuf>,
+    /// Page with a replay: the map as it grows, the robot, its echoes, error over time (HTML).
+    #[arg(long, value_name = "HTML")]
+    report: Option<PathBuf>,
     /// Scene file whose walls the picture shows beside those that were found.
     #[arg(long, value_name = "SCENE", requires = "figure")]
     scene: Option<PathBuf>,
@@ -76,16 +79,24 @@ impl Arguments {
             );
         }
         place(self.output.clone()).file(estimate::is_ours)?;
-        place(table.clone()).file(is_table)?;
-        if let Some(picture) = &self.figure {
-            let mut picture = place(picture.clone());
-            picture.inputs.extend(self.scene.clone());
-            picture.inputs.extend([self.output.clone(), table]);
-            picture.file(png::is_ours)?;
-        }
+        place(table.clone()).file(estimates::is_table)?;
+        self.shown().check(&|path| {
+            let mut place = place(path.to_path_buf());
+            place.inputs.extend(self.scene.clone());
+            place.inputs.extend([self.output.clone(), table.clone()]);
+            place
+        })?;
         match &self.map_out {
             Some(folder) => place(folder.clone()).files_in_folder(MapKind::Landmarks.files()),
             None => Ok(()),
+        }
+    }
+
+    /// Picture and page.
+    fn shown(&self) -> ShownArguments {
+        ShownArguments {
+            figure: self.figure.clone(),
+            report: self.report.clone(),
         }
     }
 
@@ -97,7 +108,6 @@ impl Arguments {
             eprintln!("{}: {line}", self.recording.display());
         }
         let reading_s = Clock::usual(&source).reading_s(&source);
-        let recording = source.load()?;
         let layout = match &self.scene {
             Some(file) => Some(Layout::of(&Scene::load(file)?)),
             None => None,
@@ -108,17 +118,25 @@ impl Arguments {
             Some(_) => parameters.measurement.periods,
         };
         parameters.measurement.periods = self.periods.unwrap_or(usual);
-        let parameters = parameters.for_recording(&recording.meta);
+        let parameters = parameters.for_recording(&source.meta);
+        let start = source.start_pose();
         let mut warnings = Warnings::default();
         let task = Board::new().task("slam", 1);
+        let mut frames = self.shown().frames(&parameters, source.duration_s());
         let drive = localization::without_map(
-            &Drive::loaded(&recording, &self.recording),
+            &Drive::of_folder(&source, &self.recording),
             &parameters,
-            recording.start_pose(),
+            start,
             &mut warnings,
-            &mut |done, all| {
+            &mut |[done, all], block, estimator| {
                 task.set_length(all);
                 task.set(done);
+                if let Some(frames) = &mut frames {
+                    frames.add(block, &[]);
+                    if let Some(map) = estimator.map() {
+                        frames.know(block.t_s, map);
+                    }
+                }
                 Ok(())
             },
         )?;
@@ -130,10 +148,7 @@ impl Arguments {
                 self.recording.display()
             );
         };
-        let trajectory = Trajectory {
-            t_s: drive.estimates.iter().map(|e| e.t_s).collect(),
-            poses: drive.estimates.iter().map(|e| e.pose).collect(),
-        };
+        let trajectory = trajectory(&drive.estimates);
         let table = write(&self.output, &drive.estimates, reading_s)?;
         if let Some(folder) = &self.map_out {
             manifest::put_into(folder, |new| Ok(map.write(new)?))?;
@@ -142,13 +157,14 @@ impl Arguments {
         let walls = (map.landmarks.iter())
             .filter(|landmark| landmark.ends_m().is_some())
             .count();
-        let (scored, latest) = scored(&recording, &drive.estimates);
+        let (scored, latest) = scored(source.truth.as_ref(), &drive.estimates);
+        let wheels = shown::wheels(&source, &parameters, start);
         if let Some(picture) = &self.figure {
             let title = match &scored.scores {
                 Some(scores) => format!("Mean error {:.4} m, without map and truth", scores.mae_m),
                 None => format!("{walls} walls and {} points", map.landmarks.len() - walls),
             };
-            let paths = paths(&recording, &parameters, &trajectory);
+            let paths = paths(source.truth.as_ref(), &wheels, &trajectory);
             figures::landmarks::draw(map, layout.as_ref(), &paths, &title, picture)?;
         }
         scored.warn(&mut warnings);
@@ -157,6 +173,33 @@ impl Arguments {
                 "from some block on the echoes do not fit the wheels; those poses are the wheels'",
             );
         }
+        let told = format!(
+            "{walls} walls and {} points explain {:.0} % of all peaks; lost {:.0} % of the drive\n",
+            map.landmarks.len() - walls,
+            100.0 * map.explained,
+            100.0 * lost
+        );
+        let fit: Vec<f64> = drive.estimates.iter().map(|e| e.fit).collect();
+        let shown = Localization {
+            map: Background::Landmarks(map),
+            path: &trajectory,
+            truth: source.truth.as_ref(),
+            wheels: &wheels,
+            fit: &fit,
+            fit_label: ["share", "(c) expected echoes that were found"],
+        };
+        let name = self.recording.display().to_string();
+        let words = shown::words(
+            [
+                &name,
+                "without a map (SLAM); the path as it was known at the end",
+            ],
+            &scored,
+            &told,
+            &warnings,
+            statuses(&drive.estimates),
+        );
+        self.shown().write_page(&shown, frames, words)?;
         if json {
             let [turn_rate, speed] = drive.wheel_errors;
             let report = serde_json::json!({
@@ -185,12 +228,7 @@ impl Arguments {
         for written in [&self.map_out, &self.figure].into_iter().flatten() {
             eprintln!("wrote {}", written.display());
         }
-        print(&format!(
-            "{walls} walls and {} points explain {:.0} % of all peaks; lost {:.0} % of the drive\n",
-            map.landmarks.len() - walls,
-            100.0 * map.explained,
-            100.0 * lost
-        ))?;
+        print(&told)?;
         scored.tell()?;
         warnings.tell();
         Ok(())
@@ -199,16 +237,15 @@ impl Arguments {
 
 /// Truth where there is one, wheels and estimate.
 fn paths(
-    recording: &Recording,
-    parameters: &Parameters,
+    truth: Option<&Trajectory>,
+    wheels: &Trajectory,
     estimate: &Trajectory,
 ) -> Vec<NamedPath<'static>> {
-    let wheels = dead_reckon(recording, parameters, recording.start_pose());
-    let truth = (recording.truth.as_ref()).map(|truth| ("truth", truth, TRUTH));
+    let truth = truth.map(|truth| ("truth", truth, TRUTH));
     truth
         .into_iter()
         .chain([
-            ("wheels alone", &wheels, WHEELS),
+            ("wheels alone", wheels, WHEELS),
             ("estimate", estimate, ESTIMATE),
         ])
         .map(|(name, trajectory, stroke)| NamedPath {

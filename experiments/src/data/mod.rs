@@ -4,6 +4,7 @@ pub mod atomic;
 pub mod cache;
 pub mod estimate;
 pub mod field_frame;
+pub mod frames;
 pub mod json;
 pub mod layout;
 pub mod lease;

@@ -3,9 +3,10 @@
 mod stream;
 
 use anyhow::{Result, bail};
-use localizer::landmarks::{self, LandmarkMap, Noise, Start, Status};
+use localizer::echo::EchoBlock;
+use localizer::landmarks::{self, LandmarkMap, LandmarkTracker, Noise, Start, Status};
 use localizer::quality::{CodeMeter, Fit, FitMeter};
-use localizer::{Estimate, MapImage, Method, Parameters, Pose, echo, offline, slam};
+use localizer::{Estimate, MapImage, Method, Parameters, Pose, offline, slam};
 
 pub use self::stream::{Stream, Told};
 use crate::drive::Drive;
@@ -32,6 +33,9 @@ pub fn status_name(status: Status) -> &'static str {
     }
 }
 
+/// Looks on: is given every block and the poses that are possible after it.
+pub type LookOn<'a> = dyn FnMut(&EchoBlock, &[Pose]) + 'a;
+
 /// Estimates of a whole drive by echo images.
 #[derive(Debug)]
 pub struct ByImages {
@@ -53,6 +57,7 @@ pub fn by_images(
     parameters: &Parameters,
     (start, seed): (Pose, u64),
     warnings: &mut Warnings,
+    look_on: &mut LookOn<'_>,
 ) -> Result<ByImages> {
     drive.check_signal()?;
     let mut tracker = offline::tracker(parameters, map, parameters, start, seed)?;
@@ -63,6 +68,7 @@ pub fn by_images(
         let estimate = tracker.update(block, recent, map);
         code.add(block);
         meter.add(block, &estimate);
+        look_on(block, tracker.filter().particles());
         estimates.push(estimate);
         Ok(true)
     })?;
@@ -73,7 +79,7 @@ pub fn by_images(
     })
 }
 
-/// Localizes a whole drive among landmarks.
+/// Localizes a whole drive among landmarks, block by block.
 ///
 /// # Errors
 /// As [`by_images`], and when the robot never moves fast enough for a pose.
@@ -83,46 +89,55 @@ pub fn among_landmarks(
     parameters: &Parameters,
     start: &Start,
     warnings: &mut Warnings,
+    look_on: &mut LookOn<'_>,
 ) -> Result<Vec<landmarks::Estimate>> {
-    let echoes = measured(drive, parameters, warnings)?;
-    let estimates = landmarks::localize(&echoes, map, start, Noise::default());
+    drive.check_signal()?;
+    let mut tracker = LandmarkTracker::new(parameters, start, Noise::default());
+    let mut code = CodeMeter::new(parameters);
+    let (mut estimates, mut poses) = (Vec::new(), Vec::new());
+    drive.measure_each(parameters, &mut |block, recent| {
+        code.add(block);
+        estimates.extend(tracker.update(block, recent, map));
+        poses.clear();
+        poses.extend(tracker.filter().hypotheses().iter().map(|own| own.pose()));
+        look_on(block, &poses);
+        Ok(true)
+    })?;
+    trust::check_echoes(drive.meta(), &code, &drive.name, warnings)?;
     if estimates.is_empty() {
         bail!("the robot does not move fast enough for a pose; record it driving");
     }
     Ok(estimates)
 }
 
-/// Estimates a whole drive and its landmarks without a map; `each` is told the number of blocks done and of all.
+/// Estimates a whole drive and its landmarks without a map, block by block. `each` is told the number of blocks done,
+/// that of all, the newest block, and what is known so far.
 ///
 /// # Errors
-/// As [`by_images`].
+/// As [`by_images`], and that of `each`, which ends the work.
 pub fn without_map(
     drive: &Drive<'_>,
     parameters: &Parameters,
     start: Pose,
     warnings: &mut Warnings,
-    each: &mut dyn FnMut(u64, u64) -> Result<()>,
+    each: &mut dyn FnMut([u64; 2], &EchoBlock, &slam::Slam) -> Result<()>,
 ) -> Result<slam::Drive> {
-    let echoes = measured(drive, parameters, warnings)?;
-    let mut estimator = slam::Slam::new(parameters, start, Noise::default());
-    for (index, block) in echoes.blocks.iter().enumerate() {
-        estimator.update(block, echoes.recent_odometry(index));
-        each(index as u64 + 1, echoes.blocks.len() as u64)?;
-    }
-    Ok(estimator.finish())
-}
-
-/// The echoes of a drive that holds some.
-fn measured(
-    drive: &Drive<'_>,
-    parameters: &Parameters,
-    warnings: &mut Warnings,
-) -> Result<echo::EchoSequence> {
     drive.check_signal()?;
-    let echoes = echo::measure(drive.load()?.as_ref(), parameters)?;
-    let code = CodeMeter::of(&echoes);
+    let mut estimator = slam::Slam::new(parameters, start, Noise::default());
+    let mut code = CodeMeter::new(parameters);
+    let periods = (drive.duration_s() / parameters.period_s()) as u64;
+    let all = (periods + 1).saturating_sub(parameters.measurement.periods as u64);
+    let (mut done, mut ended) = (0, Ok(()));
+    drive.measure_each(parameters, &mut |block, recent| {
+        code.add(block);
+        estimator.update(block, recent);
+        done += 1;
+        ended = each([done, all.max(done)], block, &estimator);
+        Ok(ended.is_ok())
+    })?;
+    ended?;
     trust::check_echoes(drive.meta(), &code, &drive.name, warnings)?;
-    Ok(echoes)
+    Ok(estimator.finish())
 }
 
 /// Parameters of a localization by echo images: `base`, or those of the map, with the waveform of the drive.

@@ -26,6 +26,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result};
 
 use self::stages::{note_simulations, stage};
+use crate::data::frames::FRAMES;
 use crate::figures;
 use crate::recordings::spec::RecordingSpec;
 use crate::run::interrupt;
@@ -102,7 +103,7 @@ fn begun(session: &PaperSession, path: &Path) -> Result<Summary> {
 /// Removes what figures would be drawn of: the data files of studies of another scene, robot or values.
 fn remove_data(results: &Path) -> Result<()> {
     for folder in [results.to_path_buf(), results.join("site")] {
-        for name in figures::data_files() {
+        for name in figures::data_files().chain([FRAMES]) {
             let file = folder.join("data").join(name);
             if file.exists() {
                 std::fs::remove_file(&file).with_context(|| file.display().to_string())?;

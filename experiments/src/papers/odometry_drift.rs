@@ -5,6 +5,7 @@ use localizer::Method;
 
 use super::PaperSession;
 use super::cells::{method_name, trials_of};
+use crate::data::frames::FRAMES;
 use crate::data::table::{Table, cell};
 use crate::summary::{Methods, Summary};
 use crate::trials::{self, accuracy};
@@ -46,6 +47,9 @@ pub(super) fn run(session: &PaperSession, summary: &mut Summary) -> Result<()> {
         }
     }
     paths.write(&session.data("drift_paths.csv"))?;
+    if let Some(frames) = trials::watch(session, &trials[0], method_name(Method::Doppler))? {
+        frames.write(&session.data(FRAMES))?;
+    }
     summary.odometry_drift = Some(Methods {
         doppler: accuracy(&results[..count]),
         toa_only: accuracy(&results[count..2 * count]),

@@ -1,5 +1,6 @@
 //! The results of a study as one page that can be handed on: no script, font or picture from elsewhere.
 
+pub(crate) mod localization;
 mod papers;
 mod replay;
 mod study;
@@ -61,6 +62,11 @@ pub fn page(results: &Path, page: &Path) -> Result<String> {
         true => study::content(results, &link)?,
         false => papers::content(results, &link)?,
     };
+    Ok(document(content))
+}
+
+/// The whole page.
+fn document(content: Content) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -79,7 +85,7 @@ pub fn page(results: &Path, page: &Path) -> Result<String> {
             }
         }
     };
-    Ok(page.into_string())
+    page.into_string()
 }
 
 /// Where the numbers come from.

@@ -3,13 +3,16 @@
 use std::path::Path;
 
 use anyhow::Result;
+use localizer::Trajectory;
 use localizer::pose::wrap_angle;
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
+use crate::data::frames::{FRAMES, Frames};
 use crate::data::json;
 use crate::data::layout::{Layout, LayoutWall};
 use crate::data::table::Table;
+use crate::figures::drawing::colour;
 use crate::figures::drawing::style::method_style;
 use crate::metrics::rounded;
 
@@ -18,21 +21,57 @@ use crate::metrics::rounded;
 pub(super) struct Replay {
     #[serde(skip)]
     name: String,
+    /// Least x and y, and size of what is shown.
+    low_m: [f64; 2],
     size_m: [f64; 2],
     walls: Vec<LayoutWall>,
     tracks: Vec<Track>,
+    /// What was heard and believed, and the number of the track that believed it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frames: Option<Frames>,
+    watched: usize,
 }
 
 /// A path over time.
-#[derive(Debug, Serialize)]
-struct Track {
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Track {
     name: &'static str,
     colour: String,
     t_s: Vec<f64>,
     x_m: Vec<f64>,
     y_m: Vec<f64>,
     heading_rad: Vec<f64>,
+    /// Distances from the truth; none of the truth itself, or where it is not known.
     error_m: Vec<f64>,
+    /// What each pose says of itself, where it says something.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) status: Vec<String>,
+}
+
+impl Track {
+    /// A path whose errors are distances from `truth`, a path over the same time.
+    pub(super) fn of(
+        name: &'static str,
+        colour: String,
+        path: &Trajectory,
+        truth: Option<&Trajectory>,
+    ) -> Self {
+        let numbers = |of: fn(&localizer::Pose) -> f64| path.poses.iter().map(of).map(rounded);
+        let true_poses = truth.map(|truth| truth.poses_at(path.t_s.iter().copied()));
+        let pairs = true_poses.iter().flatten().zip(&path.poses);
+        Self {
+            name,
+            colour,
+            t_s: path.t_s.iter().copied().map(rounded).collect(),
+            x_m: numbers(|pose| pose.x_m).collect(),
+            y_m: numbers(|pose| pose.y_m).collect(),
+            heading_rad: numbers(|pose| pose.heading_rad).collect(),
+            error_m: pairs
+                .map(|(truth, pose)| rounded(pose.distance_m(truth)))
+                .collect(),
+            status: Vec::new(),
+        }
+    }
 }
 
 /// The first drive whose paths a study has written; `None` when it draws none.
@@ -45,6 +84,7 @@ pub(super) fn of_study(data: &Path) -> Result<Option<Replay>> {
         return Ok(None);
     }
     let layout: Layout = json::read(&data.join("layout_0.json"))?;
+    let frames = frames(&data.join(FRAMES))?;
     let table = Table::read(&file)?;
     let tracks = table
         .distinct("method")?
@@ -52,10 +92,13 @@ pub(super) fn of_study(data: &Path) -> Result<Option<Replay>> {
         .map(|method| track(&table, method))
         .collect::<Result<Vec<_>>>()?;
     Ok((tracks.len() > 1).then_some(Replay {
-        name: layout.name,
+        name: format!("The first trial of each method in {}", layout.name),
+        low_m: [0.0; 2],
         size_m: layout.size_m,
         walls: layout.walls,
+        watched: watched(&frames, &tracks),
         tracks,
+        frames,
     }))
 }
 
@@ -69,6 +112,7 @@ pub(super) fn of_papers(data: &Path) -> Result<Option<Replay>> {
         return Ok(None);
     }
     let layout = Layout::read(data)?;
+    let frames = frames(&data.join(FRAMES))?;
     let table = Table::read(&names[2])?.only("trial", "0")?;
     let mut tracks = Vec::new();
     for method in table.distinct("method")? {
@@ -79,11 +123,31 @@ pub(super) fn of_papers(data: &Path) -> Result<Option<Replay>> {
         tracks.push(found);
     }
     Ok((tracks.len() > 1).then_some(Replay {
-        name: layout.name,
+        name: format!("The first trial of each method in {}", layout.name),
+        low_m: [0.0; 2],
         size_m: layout.size_m,
         walls: layout.walls,
+        watched: watched(&frames, &tracks),
         tracks,
+        frames,
     }))
+}
+
+/// The number of the track that heard and believed what the frames show.
+fn watched(frames: &Option<Frames>, tracks: &[Track]) -> usize {
+    let of = |frames: &Frames| {
+        let name = method_style(&frames.method).1;
+        tracks.iter().position(|track| track.name == name)
+    };
+    frames.as_ref().and_then(of).unwrap_or(0)
+}
+
+/// What was heard and believed; `None` where it was not written.
+fn frames(file: &Path) -> Result<Option<Frames>> {
+    match file.exists() {
+        true => json::read(file).map(Some),
+        false => Ok(None),
+    }
 }
 
 /// The true path of the localization drive at some times, between the rows of `drive.csv`.
@@ -96,10 +160,7 @@ fn truth(drive: &Table, t_s: &[f64]) -> Result<Track> {
         name: method_style("truth").1,
         colour: "var(--ink)".to_string(),
         t_s: t_s.to_vec(),
-        x_m: Vec::new(),
-        y_m: Vec::new(),
-        heading_rad: Vec::new(),
-        error_m: vec![0.0; t_s.len()],
+        ..Track::default()
     };
     for &t in t_s {
         let next = times
@@ -123,7 +184,6 @@ fn truth(drive: &Table, t_s: &[f64]) -> Result<Track> {
 fn track(table: &Table, method: &str) -> Result<Track> {
     let rows = table.only("method", method)?;
     let (stroke, name) = method_style(method);
-    let plotters::style::RGBColor(r, g, b) = stroke.colour;
     let numbers = |column: &str| -> Result<Vec<f64>> {
         Ok(rows.numbers(column)?.into_iter().map(rounded).collect())
     };
@@ -131,17 +191,46 @@ fn track(table: &Table, method: &str) -> Result<Track> {
         name,
         colour: match method {
             "truth" => "var(--ink)".to_string(),
-            _ => format!("#{r:02x}{g:02x}{b:02x}"),
+            _ => colour::css(stroke.colour),
         },
         t_s: numbers("t_s")?,
         x_m: numbers("x_m")?,
         y_m: numbers("y_m")?,
         heading_rad: numbers("heading_rad")?,
-        error_m: numbers("error_m")?,
+        error_m: match method {
+            "truth" => Vec::new(),
+            _ => numbers("error_m")?,
+        },
+        status: Vec::new(),
     })
 }
 
 impl Replay {
+    /// A drive without known walls, with so much space around its paths.
+    pub(super) fn around(name: String, tracks: Vec<Track>, margin_m: f64, frames: Frames) -> Self {
+        let reach = |of: fn(&Track) -> &Vec<f64>| {
+            let all = || tracks.iter().flat_map(of).copied();
+            let low = all().fold(f64::INFINITY, f64::min) - margin_m;
+            let high = all().fold(f64::NEG_INFINITY, f64::max) + margin_m;
+            match low.is_finite() && high.is_finite() {
+                true => [rounded(low), rounded(high - low)],
+                false => [0.0, 1.0],
+            }
+        };
+        let [x, y] = [reach(|track| &track.x_m), reach(|track| &track.y_m)];
+        Self {
+            watched: (tracks.iter())
+                .position(|track| track.name == frames.method)
+                .unwrap_or(0),
+            name,
+            low_m: [x[0], y[0]],
+            size_m: [x[1], y[1]],
+            walls: Vec::new(),
+            tracks,
+            frames: Some(frames),
+        }
+    }
+
     /// Map, errors and slider.
     pub(super) fn markup(&self) -> Markup {
         let steps = self.tracks[0].t_s.len().saturating_sub(1);
@@ -149,22 +238,35 @@ impl Replay {
         let data = serde_json::to_string(self)
             .unwrap_or_default()
             .replace('<', "\\u003c");
+        let has_errors = self.tracks.iter().any(|track| !track.error_m.is_empty());
         html! {
             div class="replay" {
                 p {
-                    "The first trial of each method in " (self.name) ". Move the slider, or press the arrow keys on "
-                    "it; a link may end in #t= and seconds."
+                    (self.name) ". Move the slider, or press the arrow keys on it; a link may end in #t= and seconds."
                 }
                 p class="keys" {
                     @for track in &self.tracks {
                         span style=(format!("--colour:{}", track.colour)) { (track.name) }
                     }
                 }
-                svg class="map" role="img" aria-label="Walls, paths and robot" {}
+                div class="places" {
+                    svg class="map" role="img" aria-label="Walls, paths and robot" {}
+                    @if let Some(frames) = &self.frames {
+                        figure {
+                            canvas width="300" height="300" role="img" aria-label="Echoes around the robot" {}
+                            figcaption {
+                                "Echoes around the robot, up to " (frames.reach_m) " m and 30 dB, as the map lies. "
+                                "Left and right of the heading look alike until the robot turns."
+                            }
+                        }
+                    }
+                }
                 input type="range" min="0" max=(steps) value="0" aria-label="Time in the drive";
                 output {}
-                p { "Error over time, up to " span class="most" {} }
-                svg class="errors" role="img" aria-label="Error over time" {}
+                @if has_errors {
+                    p { "Error over time, up to " span class="most" {} }
+                    svg class="errors" role="img" aria-label="Error over time" {}
+                }
                 script type="application/json" { (PreEscaped(data)) }
             }
         }

@@ -12,12 +12,13 @@ use super::scores::{self, Row};
 use super::summary::{CellScores, StudySummary, markdown};
 use super::{FigureChoice, Study, tasks};
 use crate::data::atomic;
+use crate::data::frames::FRAMES;
 use crate::data::layout::Layout;
 use crate::data::table::{Table, cell};
 use crate::metrics::quantile;
 use crate::run::provenance::{Provenance, peak_memory_mib};
-use crate::session::Workspace;
-use crate::trials::TrialResult;
+use crate::session::{Session, Workspace};
+use crate::trials::{self, Approach, TrialResult};
 
 /// Steps of a distribution of errors.
 const QUANTILES: usize = 200;
@@ -76,6 +77,7 @@ pub fn gather(
     scores::write(&data.join("trials.csv"), &rows, &study.cells, &methods)?;
     write_distributions(study, plan, &found, &data)?;
     write_paths(study, plan, &found, &data)?;
+    write_frames(study, plan, workspace, &data)?;
     let trials = Trials {
         cells: &study.cells,
         methods: &methods,
@@ -127,14 +129,47 @@ fn write_distributions(
     table.write(&data.join("distribution.csv"))
 }
 
-/// Writes walls, truth and estimates of the first trial of each method in the cells whose paths are drawn.
-fn write_paths(study: &Study, plan: &Plan, found: &[TrialResult], data: &Path) -> Result<()> {
+/// Numbers of the cells whose paths are drawn.
+fn drawn_cells(study: &Study) -> Vec<usize> {
     let figures = study.figures();
     let cells = figures.iter().filter_map(|figure| match figure {
         FigureChoice::Paths { cell } => study.cells.iter().position(|known| known.has(cell)),
         _ => None,
     });
-    for (number, index) in cells.enumerate() {
+    cells.collect()
+}
+
+/// Writes what the first trial of a method heard and believed in the first cell whose paths are drawn: of several
+/// methods the first one that listens, landmarks before images.
+fn write_frames(study: &Study, plan: &Plan, workspace: &Workspace, data: &Path) -> Result<()> {
+    let file = data.join(FRAMES);
+    let Some(&index) = drawn_cells(study).first() else {
+        return Ok(());
+    };
+    let order = [Approach::Landmarks, Approach::Slam, Approach::Images];
+    let rank = |approach: Approach| order.iter().position(|own| *own == approach);
+    let mut listening: Vec<_> = (plan.trials.iter())
+        .filter(|planned| planned.cell == index && rank(planned.trial.approach).is_some())
+        .collect();
+    listening.sort_by_key(|planned| (rank(planned.trial.approach), planned.method));
+    listening.dedup_by_key(|planned| planned.method);
+    for planned in listening {
+        let session = Session::new(plan.setups[planned.session].clone(), workspace)?;
+        let name = study.methods()[planned.method].name();
+        // A trial that failed, or whose recording is no longer there, shows nothing.
+        if let Ok(Some(frames)) = trials::watch(&session, &planned.trial, name) {
+            return frames.write(&file);
+        }
+    }
+    if file.exists() {
+        std::fs::remove_file(&file)?;
+    }
+    Ok(())
+}
+
+/// Writes walls, truth and estimates of the first trial of each method in the cells whose paths are drawn.
+fn write_paths(study: &Study, plan: &Plan, found: &[TrialResult], data: &Path) -> Result<()> {
+    for (number, index) in drawn_cells(study).into_iter().enumerate() {
         let header = ["method", "t_s", "x_m", "y_m", "heading_rad", "error_m"];
         let mut table = Table::new(header);
         let mut add = |method: &str, t_s: f64, [x_m, y_m, heading_rad, error_m]: [f64; 4]| {

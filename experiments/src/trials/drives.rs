@@ -16,7 +16,7 @@ use crate::run::interrupt;
 use crate::session::Session;
 
 /// Maps of landmarks by all that determines them; the text is the reason why there is none.
-type Maps = Mutex<HashMap<String, Result<Arc<LandmarkMap>, String>>>;
+pub(super) type Maps = Mutex<HashMap<String, Result<Arc<LandmarkMap>, String>>>;
 
 /// A start that truth gives.
 pub fn known(pose: Pose) -> Start {
@@ -84,7 +84,7 @@ fn run_group(session: &Session, group: &Group<'_>, maps: &Maps) -> Result<TrialR
 }
 
 /// The landmarks of a group's mapping drive, or the reason why there are none.
-fn map_of(
+pub(super) fn map_of(
     session: &Session,
     group: &Group<'_>,
     maps: &Maps,

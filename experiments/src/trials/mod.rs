@@ -6,6 +6,7 @@ mod group;
 mod noise_sweep;
 mod plain;
 mod trial;
+mod watch;
 
 use anyhow::{Context, Result};
 
@@ -15,6 +16,7 @@ use crate::run::progress::Task;
 use crate::session::Session;
 
 pub use self::trial::{Approach, Trial, TrialResult, accuracy};
+pub use self::watch::watch;
 
 /// Version of the code around the localizer that results depend on (noise, errors).
 const VERSION: u32 = 3;

@@ -126,4 +126,67 @@ fn a_report_is_one_page_whose_replay_moves() {
     assert!(said(&later).starts_with("6.0 s"), "{}", said(&later));
     assert_ne!(said(&later)[5..], said(&start)[5..]);
     assert!(later.contains("rotate("), "robots stand on the map");
+    // Four walls of the first room are known; what was heard is drawn beside the map.
+    assert!(walls(&later) >= 3, "{}", walls(&later));
+    assert!(later.contains("Echoes around the robot"));
+}
+
+/// Walls among the landmarks that a document shows.
+fn walls(document: &str) -> usize {
+    let from = document.find("stroke:var(--good)").unwrap();
+    let to = document[from..].find("</g>").unwrap();
+    document[from..from + to].matches("<line").count()
+}
+
+/// A drive of the example by images, among landmarks from an unknown start, and without a map.
+#[test]
+fn a_localization_is_replayed_with_what_was_heard_and_believed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let [mapping, drive] =
+        ["mapping", "drive"].map(|name| project_file(&format!("examples/site_robot/{name}")));
+    expect(at, &["map", &mapping, "-o", "map"]);
+    expect(at, &["map", &mapping, "--method", "landmarks", "-o", "map"]);
+    let localize = [
+        "localize", &drive, "--map", "map", "-o", "est.tum", "--report",
+    ];
+    let among = ["--method", "landmarks", "--start", "unknown"];
+    expect(at, &[&localize[..], &["images.html"]].concat());
+    expect(at, &[&localize[..], &["landmarks.html"], &among].concat());
+    expect(
+        at,
+        &["slam", &drive, "-o", "slam.tum", "--report", "slam.html"],
+    );
+    // A page is replaced by the next one, another file is not.
+    expect(at, &[&localize[..], &["images.html"]].concat());
+    std::fs::write(at.join("notes.html"), "<p>mine</p>").unwrap();
+    assert!(refuse(at, &[&localize[..], &["notes.html"]].concat()).contains("--force"));
+    for name in ["images", "landmarks", "slam"] {
+        let page = std::fs::read_to_string(at.join(format!("{name}.html"))).unwrap();
+        assert!(page.len() < 2 << 20, "{name}: {} bytes", page.len());
+        assert!(!page.contains("src=") && page.contains("mean error (MAE)"));
+    }
+    let see = |name: &str, moment: &str| opened(&at.join(format!("{name}.html")), moment);
+    let Some(images) = see("images", "#t=6") else {
+        eprintln!("skipped: chromium is not installed");
+        return;
+    };
+    assert!(said(&images).contains("m sure"), "{}", said(&images));
+    assert!(images.contains("data:image/png;base64"), "the map is drawn");
+    // Particles and hypotheses are dots of that size.
+    let dots = |document: &str| document.matches("r=\"0.015\"").count();
+    assert!(dots(&images) > 30, "{}", dots(&images));
+    let [early, late] = ["#t=0.5", "#t=10"].map(|moment| see("landmarks", moment).unwrap());
+    let hypotheses = [dots(&early), dots(&late)];
+    assert!(
+        hypotheses[0] > 10 && (1..5).contains(&hypotheses[1]),
+        "{hypotheses:?}"
+    );
+    assert!(said(&early).contains("converging"), "{}", said(&early));
+    assert!(said(&late).contains("sure"), "{}", said(&late));
+    assert_eq!(walls(&early), walls(&late));
+    // Without a map nothing is known at the start.
+    let [early, late] = ["", "#t=12"].map(|moment| see("slam", moment).unwrap());
+    assert_eq!(walls(&early), 0);
+    assert!(walls(&late) >= 3, "{}", walls(&late));
 }

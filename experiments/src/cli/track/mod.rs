@@ -18,7 +18,8 @@ use localizer::align::SoundClock;
 use self::sound::Sound;
 use self::view::View;
 use self::wheels::Wheels;
-use super::localize::{MethodArgument, StartArgument, start, start_sigma};
+use super::localize::MethodArgument;
+use super::start::{StartArgument, start, start_sigma};
 use crate::live::pcm::{self, Format, Layout};
 use crate::localization::Told;
 

@@ -10,7 +10,7 @@ use localizer::io::recording_source::working_rate;
 use localizer::landmarks::{LandmarkMap, Start};
 use localizer::{MapImage, Method, Parameters};
 
-use super::super::localize::StartArgument;
+use super::super::start::StartArgument;
 use super::Arguments;
 use super::sound::{Period, Sound};
 use super::wheels::Wheels;

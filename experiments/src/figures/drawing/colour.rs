@@ -22,6 +22,11 @@ pub const GREY: RGBColor = RGBColor(130, 130, 130);
 /// Light grey for grid lines and areas.
 pub const LIGHT: RGBColor = RGBColor(222, 222, 222);
 
+/// A colour as pages write it.
+pub fn css(RGBColor(red, green, blue): RGBColor) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
 /// Colour of the ramp at `share` (0 to 1): dark violet over blue and green to light yellow, computed in the OKLCh space
 /// so that lightness rises evenly (prints well in grey).
 pub fn ramp(share: f64) -> RGBColor {

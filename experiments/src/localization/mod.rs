@@ -36,6 +36,9 @@ pub fn status_name(status: Status) -> &'static str {
 /// Looks on: is given every block and the poses that are possible after it.
 pub type LookOn<'a> = dyn FnMut(&EchoBlock, &[Pose]) + 'a;
 
+/// Is told the number of blocks done, that of all, the newest block, and what is known so far.
+pub type EachOfSlam<'a> = dyn FnMut([u64; 2], &EchoBlock, &slam::Slam) -> Result<()> + 'a;
+
 /// Estimates of a whole drive by echo images.
 #[derive(Debug)]
 pub struct ByImages {
@@ -110,8 +113,7 @@ pub fn among_landmarks(
     Ok(estimates)
 }
 
-/// Estimates a whole drive and its landmarks without a map, block by block. `each` is told the number of blocks done,
-/// that of all, the newest block, and what is known so far.
+/// Estimates a whole drive and its landmarks without a map, block by block.
 ///
 /// # Errors
 /// As [`by_images`], and that of `each`, which ends the work.
@@ -120,7 +122,7 @@ pub fn without_map(
     parameters: &Parameters,
     start: Pose,
     warnings: &mut Warnings,
-    each: &mut dyn FnMut([u64; 2], &EchoBlock, &slam::Slam) -> Result<()>,
+    each: &mut EachOfSlam<'_>,
 ) -> Result<slam::Drive> {
     drive.check_signal()?;
     let mut estimator = slam::Slam::new(parameters, start, Noise::default());

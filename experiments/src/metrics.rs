@@ -17,6 +17,11 @@ pub fn mean(values: &[f64]) -> f64 {
 pub fn quantile(values: &[f64], fraction: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
+    quantile_of_sorted(&sorted, fraction)
+}
+
+/// As [`quantile`], of values in rising order.
+pub fn quantile_of_sorted(sorted: &[f64], fraction: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return f64::NAN;
     };

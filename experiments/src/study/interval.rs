@@ -19,7 +19,7 @@ enum Tree {
 }
 
 impl Tree {
-    /// The values by what was drawn from a level on.
+    /// The values by what was drawn from a level on; what was drawn once is no level.
     fn of(values: &[(Draw, f64)], level: usize) -> Self {
         let Some(last) = values.first().map(|(draw, _)| draw.len()) else {
             return Self::Node(Vec::new());
@@ -31,12 +31,11 @@ impl Tree {
         for &(draw, value) in values {
             parts.entry(draw[level]).or_default().push((draw, value));
         }
-        Self::Node(
-            parts
-                .values()
-                .map(|part| Self::of(part, level + 1))
-                .collect(),
-        )
+        let mut parts = parts.values().map(|part| Self::of(part, level + 1));
+        match parts.len() {
+            1 => parts.next().unwrap_or(Self::Node(Vec::new())),
+            _ => Self::Node(parts.collect()),
+        }
     }
 
     /// Mean over the branches, each with the mean of its own.
@@ -51,7 +50,6 @@ impl Tree {
     fn resampled(&self, random: &mut ChaCha8Rng) -> f64 {
         match self {
             Self::Leaf(value) => *value,
-            Self::Node(parts) if parts.len() == 1 => parts[0].resampled(random),
             Self::Node(parts) => {
                 let sum: f64 = (0..parts.len())
                     .map(|_| parts[random.random_range(0..parts.len())].resampled(random))

@@ -15,7 +15,7 @@ use crate::data::atomic;
 use crate::data::frames::FRAMES;
 use crate::data::layout::Layout;
 use crate::data::table::{Table, cell};
-use crate::metrics::quantile;
+use crate::metrics::quantile_of_sorted;
 use crate::run::provenance::{Provenance, peak_memory_mib};
 use crate::session::{Session, Workspace};
 use crate::trials::{self, Approach, TrialResult};
@@ -122,7 +122,7 @@ fn write_distributions(
                 study.cells[number].name(),
                 methods[method].name().to_string(),
                 cell(share, 4),
-                cell(quantile(&errors, share), 5),
+                cell(quantile_of_sorted(&errors, share), 5),
             ]);
         }
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::Study;
@@ -63,8 +64,9 @@ impl CellScores {
             groups.entry((row.cell, row.method)).or_default().push(row);
         }
         let methods = study.methods();
+        let groups: Vec<_> = groups.into_iter().collect();
         groups
-            .into_iter()
+            .into_par_iter()
             .map(|((cell, method), rows)| {
                 let cell = &study.cells[cell];
                 let drawn = DRAWN.iter().enumerate().map(|(level, name)| {

@@ -6,6 +6,7 @@
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::Study;
@@ -210,7 +211,7 @@ pub(super) fn results(
 ) -> Result<Vec<TrialResult>> {
     let found: Vec<Option<TrialResult>> = plan
         .trials
-        .iter()
+        .par_iter()
         .map(|planned| workspace.cache.get("trials", &planned.key))
         .collect();
     let missing = found.iter().filter(|result| result.is_none()).count();

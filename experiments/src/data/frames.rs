@@ -191,7 +191,7 @@ fn image(block: &EchoBlock) -> Vec<u8> {
             return 0;
         }
         let down_db = 20.0 * (value / strongest).log10();
-        (255.0 * (1.0 + down_db / DEPTH_DB).max(0.0)) as u8
+        (255.0 * (1.0 + down_db / DEPTH_DB).max(0.0)).round() as u8
     };
     let mut bytes = Vec::with_capacity(block.intensity.nrows() * RANGES);
     for row in block.intensity.rows() {

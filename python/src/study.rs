@@ -9,6 +9,7 @@ use experiments::run::interrupt;
 use experiments::session::Workspace;
 use experiments::study::cells::Cell;
 use experiments::study::{self, StudySummary};
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
@@ -127,8 +128,11 @@ impl Study {
             let _ = done.send(());
             summary
         });
-        let summary = summary.inspect_err(|_| {
-            // After Ctrl-C the study ends soon, with what is done in the cache; then another one may begin.
+        let summary = summary.inspect_err(|error| {
+            if !error.is_instance_of::<PyKeyboardInterrupt>(py) {
+                return;
+            }
+            // The study ends soon, with what is done in the cache; then another one may begin.
             interrupt::request();
             py.detach(move || {
                 let _ = wait.recv();

@@ -164,6 +164,27 @@ def test_ctrl_c_ends_a_simulation_within_a_second() -> None:
     assert len(echolot.simulate(echolot.Scene.from_dict(short), "rest", progress=False).signal) == 4800
 
 
+def test_a_study_goes_on_after_ctrl_c(tmp_path: Path) -> None:
+    study = echolot.Study.from_dict(
+        {
+            "name": "interrupted",
+            "about": "Is anything lost?",
+            "scenes": [{"random": "room", "seeds": [1, 3]}],
+            "methods": ["landmarks"],
+            "set": {"field.engine": "image-source", "field.image_order": 3},
+        }
+    )
+    timer = threading.Timer(1.0, lambda: signal.raise_signal(signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        study.run(tmp_path / "one", figures=False)
+    # An error that is none of the user's interruptions leaves no trace either.
+    with pytest.raises(ValueError, match="no such cell|cell"):
+        study.run(tmp_path / "one", only=["nowhere=1"], figures=False)
+    summary = study.run(tmp_path / "one", figures=False)
+    assert summary["cells"] == study.run(tmp_path / "other", figures=False)["cells"]
+
+
 def test_an_error_of_the_callback_comes_back() -> None:
     def trouble(done: int, of: int) -> None:
         raise RuntimeError("trouble")

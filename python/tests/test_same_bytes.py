@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 
 Program = Callable[..., str]
+ROOT = Path(__file__).resolve().parents[2]
+ROBOT = ROOT / "experiments" / "robots" / "site.json"
+EXAMPLE = ROOT / "examples" / "site_robot"
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -34,10 +37,12 @@ def files(folder: Path) -> dict[str, bytes]:
         (3, {}, []),
         (11, {"image_order": 1, "odometry_bias": -0.004}, ["--image-order", "1", "--odometry-bias", "-0.004"]),
         (12, {"absorption": True, "with_direct": True}, ["--absorption", "--with-direct"]),
+        (13, {"robot": ROBOT}, ["--robot", ROBOT]),
+        (14, {"free_field": True}, ["--free-field"]),
     ],
 )
 def test_simulate_by_image_sources(
-    program: Program, tmp_path: Path, seed: int, options: dict[str, Any], words: list[str]
+    program: Program, tmp_path: Path, seed: int, options: dict[str, Any], words: list[Any]
 ) -> None:
     scene = echolot.Scene.random("open", seed=seed)
     scene.save(tmp_path / "scene.json")
@@ -48,7 +53,17 @@ def test_simulate_by_image_sources(
     assert files(tmp_path / "made") == files(tmp_path / "told")
 
 
-def test_simulate_on_the_field(program: Program, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({}, []),
+        ({"free_field": True, "scheme": "m13"}, ["--free-field", "--scheme", "m13"]),
+        ({"walls": "cut-cells", "spread": "bilinear"}, ["--walls", "cut-cells", "--spread", "bilinear"]),
+        ({"whole_domain": True, "scheme": "slf"}, ["--whole-domain", "--scheme", "slf"]),
+        ({"robot": ROBOT}, ["--robot", ROBOT]),
+    ],
+)
+def test_simulate_on_the_field(program: Program, tmp_path: Path, options: dict[str, Any], words: list[Any]) -> None:
     fields = {
         "name": "a wall in warm air",
         "medium": {"temperature_degc": 23.5, "relative_humidity_percent": 61},
@@ -63,15 +78,32 @@ def test_simulate_on_the_field(program: Program, tmp_path: Path) -> None:
         },
     }
     (tmp_path / "scene.json").write_text(json.dumps(fields))
-    program("simulate", tmp_path / "scene.json", "--path", "drive", "-o", tmp_path / "told", "--threads", "1")
+    arguments = ["--path", "drive", "-o", tmp_path / "told", "--threads", "1", *words]
+    program("simulate", tmp_path / "scene.json", *arguments)
     told: list[tuple[int, int]] = []
     scene = echolot.Scene.from_dict(fields)
-    recording = echolot.simulate(scene, "drive", progress=lambda done, of: told.append((done, of)))
+    recording = echolot.simulate(scene, "drive", progress=lambda done, of: told.append((done, of)), **options)
     recording.save(tmp_path / "made")
     assert files(tmp_path / "made") == files(tmp_path / "told")
     assert told[-1][0] == told[-1][1] > 0
-    again = echolot.Recording.load(tmp_path / "told")
-    assert np.array_equal(again.signal, recording.signal)
+    # What a robot records has clocks to be found, and this one hardly moves.
+    if "robot" not in options:
+        again = echolot.Recording.load(tmp_path / "told")
+        assert np.array_equal(again.signal, recording.signal)
+
+
+def test_a_sound_cards_recording_with_numbers_given(program: Program, tmp_path: Path) -> None:
+    told = [line for line in echolot.Recording.load(EXAMPLE / "drive").notes if "clock of the truth" in line]
+    assert told, "the example's clocks are found"
+    program("map", EXAMPLE / "mapping", "-o", tmp_path / "map")
+    words = ["--channel", "2", "--late", "152.5", "--drift", "19.5", "--odometry-clock", "0.02", "--truth-clock", "1e3"]
+    arguments = ["--map", tmp_path / "map", "-o", tmp_path / "told.tum", "--particles", "100"]
+    program("localize", EXAMPLE / "drive", *arguments, *words)
+    given = {"channel": 2, "late": 0.1525, "drift": 19.5, "odometry_clock": 0.02, "truth_clock": 1e3}
+    recording = echolot.Recording.load(EXAMPLE / "drive", **given)
+    found = echolot.localize(recording, echolot.EchoMap.load(tmp_path / "map"), particles=100)
+    found.save(tmp_path / "made.tum")
+    assert (tmp_path / "made.tum").read_bytes() == (tmp_path / "told.tum").read_bytes()
 
 
 @pytest.mark.parametrize("method", ["images", "landmarks"])
@@ -159,3 +191,24 @@ def test_study(program: Program, tmp_path: Path) -> None:
     assert summary["cells"] == told["cells"]
     of = "data/trials.csv"
     assert (tmp_path / "made/python" / of).read_bytes() == (tmp_path / "told/python" / of).read_bytes()
+
+
+def test_a_cell_of_a_study_by_another_engine(program: Program, tmp_path: Path) -> None:
+    study = {
+        "name": "cells",
+        "about": "Does the package take the options of the program?",
+        "scenes": [{"random": "room", "seeds": [5, 5]}],
+        "methods": ["landmarks"],
+        "vary": [{"localizer.periods": [2, 3]}],
+    }
+    (tmp_path / "study.json").write_text(json.dumps(study))
+    words = ["--only", "localizer.periods=3", "--engine", "image-source", "--image-order", "1", "--no-figures"]
+    program("run", tmp_path / "study.json", "--results", tmp_path / "told", *words)
+    own = echolot.Study.from_dict(study, tmp_path)
+    assert len(own.cells) == 2
+    only = ["localizer.periods=3"]
+    summary = own.run(tmp_path / "made", only=only, engine="image-source", image_order=1, figures=False)
+    told = json.loads((tmp_path / "told/cells/summary.json").read_text())
+    assert summary["cells"] == told["cells"] and len(summary["cells"]) == 1
+    with pytest.raises(ValueError, match="localizer.periods=7"):
+        own.run(tmp_path / "made", only=["localizer.periods=7"], engine="image-source")

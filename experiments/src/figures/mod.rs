@@ -15,6 +15,7 @@ mod dispersion;
 mod dual_circle;
 mod error_distribution;
 mod estimated_paths;
+mod landmark_bound;
 mod means;
 mod multipath;
 mod noise;
@@ -113,6 +114,11 @@ const FIGURES: &[Figure] = &[
         name: "fig_angular_resolution",
         needs: &["angular_resolution.csv", "angular_resolution_widths.csv"],
         draw: angular_resolution::draw,
+    },
+    Figure {
+        name: "landmark_bound",
+        needs: &["landmark_bound.csv"],
+        draw: landmark_bound::draw,
     },
 ];
 

@@ -3,7 +3,8 @@
 
 use std::path::Path;
 
-use localizer::Recording;
+use localizer::signal::waveform;
+use localizer::{Parameters, Recording};
 use serde_json::Value;
 
 use crate::room::{echolot, expect, note, refuse};
@@ -121,6 +122,57 @@ fn a_signal_without_the_code_is_refused_by_both_commands() {
         assert!(!at.join("new").exists() && !at.join("e.tum").exists());
     }
     note("recording without echoes", "map, localize", 10, "refused");
+}
+
+/// What a microphone that stands somewhere hears of a robot alone in the open: the code, later or sooner as it drives.
+fn heard_at(drive: &mut Recording, place_m: [f64; 2]) {
+    let parameters = Parameters::default().for_recording(&drive.meta);
+    let period = waveform::transmitted(&parameters);
+    let truth = drive.truth.as_ref().unwrap();
+    let rate = drive.meta.sample_rate_hz;
+    let times = (0..drive.signal.len()).map(|k| k as f64 / rate);
+    let poses = truth.poses_at(times.clone());
+    for ((sample, t_s), pose) in drive.signal.iter_mut().zip(times).zip(poses) {
+        let way_m = (pose.x_m - place_m[0]).hypot(pose.y_m - place_m[1]);
+        let at =
+            (rate * (t_s - way_m / drive.meta.speed_of_sound_mps)).rem_euclid(period.len() as f64);
+        let (before, share) = (at as usize % period.len(), at.fract());
+        let after = (before + 1) % period.len();
+        *sample = (0.1 * ((1.0 - share) * period[before] + share * period[after])) as f32;
+    }
+}
+
+#[test]
+fn a_microphone_that_is_not_on_the_robot_makes_no_sure_pose() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    example(at);
+    expect(
+        at,
+        &["map", "mapping", "--method", "landmarks", "-o", "map"],
+    );
+    for (name, place_m) in [("near", [6.0, 1.0]), ("far", [100.0, -20.0])] {
+        changed(at, name, |drive| heard_at(drive, place_m));
+        for method in ["doppler", "landmarks"] {
+            let localize = ["localize", name, "--map", "map", "--method", method];
+            let output = echolot(at, &[&localize[..], &["-o", "e.tum", "--json"]].concat());
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            if output.status.code() == Some(2) {
+                assert!(said.contains("no echoes"), "{name}, {method}: {said}");
+                continue;
+            }
+            let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+            let sure = report["status"]["sure"].as_f64().unwrap();
+            assert!(sure < 0.2, "{name}, {method}: {report}");
+            assert!(said.contains("warning: "), "{name}, {method}: {said}");
+        }
+    }
+    note(
+        "microphone beside the robot",
+        "localize",
+        4,
+        "refused or told",
+    );
 }
 
 #[test]

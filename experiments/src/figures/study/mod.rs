@@ -31,7 +31,8 @@ struct Line {
     marker: Marker,
 }
 
-/// Styles of `count` lines: those of the methods where each line is a method, else colours and dashes in turn.
+/// Styles of lines: those of the methods where each line is a method; the methods' colours, a dash for each cell, where
+/// there are several methods in a few cells; else colours and dashes in turn.
 fn lines(names: &[(MethodName, String)]) -> Vec<Line> {
     const COLOURS: [RGBColor; 7] = [
         colour::BLUE,
@@ -51,14 +52,23 @@ fn lines(names: &[(MethodName, String)]) -> Vec<Line> {
     ];
     let methods_only = names.iter().all(|(_, cell)| cell.is_empty());
     let several = names.iter().any(|(method, _)| *method != names[0].0);
+    let mut cells: Vec<&String> = Vec::new();
+    for (_, cell) in names {
+        if !cells.contains(&cell) {
+            cells.push(cell);
+        }
+    }
+    let few = several && cells.len() <= DASHES.len();
     names
         .iter()
         .enumerate()
         .map(|(index, (method, cell))| {
             let (style, word) = method_style(method.name());
-            let stroke = match methods_only {
-                true => style,
-                false => Stroke::solid(COLOURS[index % COLOURS.len()], 4.5)
+            let number = cells.iter().position(|known| *known == cell).unwrap_or(0);
+            let stroke = match (methods_only, few) {
+                (true, _) => style,
+                (false, true) => Stroke::solid(style.colour, 4.5).dashed(DASHES[number]),
+                (false, false) => Stroke::solid(COLOURS[index % COLOURS.len()], 4.5)
                     .dashed(DASHES[index / COLOURS.len() % DASHES.len()]),
             };
             let name = match (cell.is_empty(), several) {

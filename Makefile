@@ -2,14 +2,15 @@
 
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
-.PHONY: help sim-experiments sim-quick sim-ensemble figures picture claims reference validate test check fuzz robustness \
+.PHONY: help sim-experiments sim-quick sim-ensemble figures bound picture claims reference validate test check fuzz robustness \
 	bench bless python python-test
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
 
-sim-experiments: ## simulate and reproduce the paper's studies in the paper's size (results/paper)
-	$(ECHOLOT) run studies/papers/paper.json
+sim-experiments: ## simulate and reproduce the paper's studies in the paper's size, and landmarks beside (results)
+	$(ECHOLOT) run studies/papers/paper.json studies/papers/landmarks_periods.json \
+		studies/papers/landmarks_noise.json studies/papers/landmarks_site.json
 
 sim-quick: ## the same chain in a small scene, and all methods by image sources (results/quick, results/methods)
 	$(ECHOLOT) run studies/quick
@@ -18,10 +19,16 @@ sim-ensemble: ## in what share of 100 random layouts the claims hold, by image s
 	$(ECHOLOT) run studies/papers/ensemble.json
 
 figures: ## redraw all figures from the data files, without computing anything
-	@for folder in paper quick methods bench; do \
+	@for folder in paper quick methods bench bound; do \
 		if [ -d results/$$folder ]; then $(ECHOLOT) figures results/$$folder || exit 1; fi; \
 	done
 	@if [ -d results/validation/data ]; then $(ECHOLOT) validate --figures-only; fi
+
+bound: ## what a landmark's echo is off by, beside the Cramer-Rao bound (results/bound)
+	@mkdir -p results/bound/data
+	cargo run --quiet --release -p localizer --example landmark_bound > results/bound/data/landmark_bound.csv.part
+	@mv results/bound/data/landmark_bound.csv.part results/bound/data/landmark_bound.csv
+	$(ECHOLOT) figures results/bound
 
 picture: ## the sound field that README shows (results/field.png)
 	$(ECHOLOT) scene draw scenes/four_walls.json --click localization --after 0.0085 -o results/field.png

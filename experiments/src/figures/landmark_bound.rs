@@ -16,15 +16,22 @@ use crate::data::table::Table;
 const COLOURS: [plotters::style::RGBColor; 4] =
     [colour::ORANGE, colour::GREEN, colour::BLUE, colour::PURPLE];
 
-/// Titles, columns of measurement and bound, and labels of the two panels.
-const PANELS: [[&str; 4]; 2] = [
-    ["(a) range", "range_m", "range_bound_m", "range off by [m]"],
-    [
+/// A panel: title, columns of measurement and bound, label, and what the numbers are multiplied by.
+type Panel = (&'static str, [&'static str; 2], &'static str, f64);
+
+const PANELS: [Panel; 2] = [
+    (
+        "(a) range",
+        ["range_m", "range_bound_m"],
+        "range off by, root mean square [mm]",
+        1e3,
+    ),
+    (
         "(b) cosine of the bearing",
-        "cosine",
-        "cosine_bound",
-        "cosine off by",
-    ],
+        ["cosine", "cosine_bound"],
+        "cosine off by, root mean square",
+        1.0,
+    ),
 ];
 
 /// Draws the figure.
@@ -41,13 +48,14 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
         .map(|(measured, bound)| measured / bound)
         .collect();
     let most = ratios.iter().copied().fold(0.0, f64::max);
-    canvas::draw(picture, 1900, 860, |sheet| {
+    canvas::draw(picture, 1900, 830, |sheet| {
         sheet.title(&format!(
             "20 dB below the noise, an echo's range is off by at most {most:.1} times the Cram\u{e9}r-Rao bound"
         ))?;
-        for (index, [name, measured, bound, label]) in PANELS.into_iter().enumerate() {
+        for (index, (name, [measured, bound], label, scale)) in PANELS.into_iter().enumerate() {
             let left = 200.0 + 940.0 * index as f64;
             let all = [table.numbers(measured)?, table.numbers(bound)?].concat();
+            let all: Vec<f64> = all.into_iter().map(|value| scale * value).collect();
             let low = all.iter().copied().fold(f64::INFINITY, f64::min);
             let high = all.iter().copied().fold(0.0, f64::max);
             let noise = table.numbers("snr_db")?;
@@ -61,7 +69,10 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             for (periods, colour) in periods.iter().zip(COLOURS) {
                 let rows = table.only("periods", periods)?;
                 let points = |column: &str| -> Result<Vec<(f64, f64)>> {
-                    let values = rows.numbers(column)?.into_iter().map(f64::log10);
+                    let values = rows
+                        .numbers(column)?
+                        .into_iter()
+                        .map(|value| (scale * value).log10());
                     Ok(rows.numbers("snr_db")?.into_iter().zip(values).collect())
                 };
                 axes.curve(
@@ -79,7 +90,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
             .map(|(periods, colour)| Entry {
                 stroke: Some(Stroke::solid(colour, 4.0)),
                 marker: Some((Marker::Disc, colour)),
-                text: format!("M = {periods}, root mean square of 60 echoes"),
+                text: format!("M = {periods}"),
             })
             .collect();
         entries.push(Entry::line(

@@ -1,7 +1,7 @@
 //! Error of a peak's range and cosine over noise and periods M, beside the Cramer-Rao bound.
 //!
-//! `make bound` writes one row for each signal-to-noise ratio and M: root mean squares of what `PeakFinder` is off by, and the least that any unbiased estimate has
-//! (docs/theory/landmarks.md).
+//! `make bound` writes one row for each signal-to-noise ratio and M: root mean squares of what `PeakFinder` is off by,
+//! and the least that any unbiased estimate has (docs/theory/landmarks.md).
 
 use std::error::Error;
 use std::f64::consts::{PI, TAU};

@@ -58,7 +58,7 @@ def test_simulate_by_image_sources(
     [
         ({}, []),
         ({"free_field": True, "scheme": "m13"}, ["--free-field", "--scheme", "m13"]),
-        ({"walls": "cut-cells", "spread": "bilinear"}, ["--walls", "cut-cells", "--spread", "bilinear"]),
+        ({"walls": "cut_cells", "spread": "bilinear"}, ["--walls", "cut-cells", "--spread", "bilinear"]),
         ({"whole_domain": True, "scheme": "slf"}, ["--whole-domain", "--scheme", "slf"]),
         ({"robot": ROBOT}, ["--robot", ROBOT]),
     ],
@@ -96,11 +96,12 @@ def test_a_sound_cards_recording_with_numbers_given(program: Program, tmp_path: 
     told = [line for line in echolot.Recording.load(EXAMPLE / "drive").notes if "clock of the truth" in line]
     assert told, "the example's clocks are found"
     program("map", EXAMPLE / "mapping", "-o", tmp_path / "map")
-    words = ["--channel", "2", "--late", "152.5", "--drift", "19.5", "--odometry-clock", "0.02", "--truth-clock", "1e3"]
+    words = ["--channel", "1", "--late", "86.9", "--drift", "-30", "--odometry-clock", "731.2", "--truth-clock", "1716249600.4"]
     arguments = ["--map", tmp_path / "map", "-o", tmp_path / "told.tum", "--particles", "100"]
     program("localize", EXAMPLE / "drive", *arguments, *words)
-    given = {"channel": 2, "late": 0.1525, "drift": 19.5, "odometry_clock": 0.02, "truth_clock": 1e3}
-    recording = echolot.Recording.load(EXAMPLE / "drive", **given)
+    recording = echolot.Recording.load(
+        EXAMPLE / "drive", channel=1, late=0.0869, drift=-30.0, odometry_clock=731.2, truth_clock=1716249600.4
+    )
     found = echolot.localize(recording, echolot.EchoMap.load(tmp_path / "map"), particles=100)
     found.save(tmp_path / "made.tum")
     assert (tmp_path / "made.tum").read_bytes() == (tmp_path / "told.tum").read_bytes()

@@ -193,12 +193,13 @@ fn claims_are_current() {
     let summary = |name: &str| Summary::read(&results.join(name).join("summary.json")).unwrap();
     let paper = summary("paper");
     let quick = readme::quick_runs(&results).unwrap();
+    let layouts = readme::random_layouts(&results).unwrap();
     let targets = Targets::load().unwrap();
     let judged = judge(&targets, &paper).unwrap();
     let file = root().join("README.md");
     let text = read(&file);
     let blocks = [
-        readme::claims(&targets, &judged),
+        readme::claims(&targets, &judged, layouts.as_ref()),
         readme::commands(&quick.iter().collect::<Vec<_>>(), &paper.provenance),
     ];
     assert!(

@@ -10,6 +10,7 @@ use super::verdicts::Judged;
 use crate::data::{atomic, json};
 use crate::run::progress::duration;
 use crate::run::provenance::Provenance;
+use crate::study::{self, StudySummary};
 
 /// A generated part of a Markdown file: its name, and the text between its marks.
 pub struct Block {
@@ -24,23 +25,39 @@ impl Block {
     }
 }
 
-/// The claims that README shows, and their caveats.
-pub fn claims(targets: &Targets, judged: &[Judged]) -> Block {
+/// The claims that README shows, and their caveats: in how many of the random layouts each holds, where a study of
+/// those asks for it, and our number in the papers' size. What that study claims of its own comes last.
+pub fn claims(targets: &Targets, judged: &[Judged], layouts: Option<&StudySummary>) -> Block {
     let mut text = String::from(
-        "| claim | where | paper | ours [95 % interval] | verdict |\n|---|---|---|---|---|\n",
+        "| claim | where | paper | random layouts where it holds | papers' size: ours [95 % interval] | verdict there |\n\
+        |---|---|---|---|---|---|\n",
     );
+    let mut add = |cells: [&str; 6]| {
+        let row = cells.map(|cell| cell.replace('|', "\\|")).join(" | ");
+        text.push_str(&format!("| {row} |\n"));
+    };
+    let share = |id: &str| {
+        let found = layouts.and_then(|study| study.claims.iter().find(|claim| claim.id == id));
+        found.map_or(String::new(), share)
+    };
+    let mut asked = Vec::new();
     for id in &targets.shown {
         for judged in judged.iter().filter(|judged| judged.target.id == *id) {
             let target = &judged.target;
-            let row = [
+            asked.extend(target.layouts.as_deref());
+            add([
                 &target.claim,
                 &target.source,
                 &target.claimed,
+                &target.layouts.as_deref().map_or(String::new(), share),
                 &ours(judged),
-            ]
-            .map(|cell| cell.replace('|', "\\|"))
-            .join(" | ");
-            text.push_str(&format!("| {row} | {} |\n", verdict(judged)));
+                verdict(judged),
+            ]);
+        }
+    }
+    for claim in layouts.iter().flat_map(|study| &study.study.claims) {
+        if claim.source.is_none() && !asked.contains(&claim.id.as_str()) {
+            add([&claim.claim, "", "", &share(&claim.id), "", ""]);
         }
     }
     text.push_str(&format!("\nAll claims: {}.\n\n", count(judged)));
@@ -50,6 +67,27 @@ pub fn claims(targets: &Targets, judged: &[Judged]) -> Block {
     Block {
         name: "claims",
         text,
+    }
+}
+
+/// In how many layouts a claim holds, with the interval of the share.
+fn share(claim: &study::claims::Judged) -> String {
+    let words = claim.ours.trim_start_matches("in ");
+    let words = words.trim_end_matches(" layouts");
+    claim.interval.map_or(words.to_string(), |[low, high]| {
+        format!("{words} [{low:.2}, {high:.2}]")
+    })
+}
+
+/// The results of the study of random layouts; `None` where there are none.
+///
+/// # Errors
+/// When they are damaged.
+pub fn random_layouts(results: &Path) -> Result<Option<StudySummary>> {
+    let file = results.join("ensemble").join("summary.json");
+    match file.exists() {
+        true => StudySummary::read(&file).map(Some),
+        false => Ok(None),
     }
 }
 
@@ -186,7 +224,7 @@ mod tests {
         let judged = judge(&targets, &summary).unwrap();
         let blocks = || {
             [
-                claims(&targets, &judged),
+                claims(&targets, &judged, None),
                 commands(&[], &summary.provenance),
             ]
         };

@@ -54,6 +54,9 @@ pub struct Target {
     pub trials: Option<usize>,
     /// The way to our number.
     pub measure: Measure,
+    /// Claim of the study of random layouts (`studies/papers/ensemble.json`) that asks the same of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layouts: Option<String>,
 }
 
 /// The way to our number.

@@ -155,8 +155,9 @@ impl Arguments {
         report::write(&folder, &targets, &judged, &summary)?;
         if let Some(file) = &self.into {
             let quick = readme::quick_runs(&self.results)?;
+            let layouts = readme::random_layouts(&self.results)?;
             let blocks = [
-                readme::claims(&targets, &judged),
+                readme::claims(&targets, &judged, layouts.as_ref()),
                 readme::commands(&quick.iter().collect::<Vec<_>>(), &summary.provenance),
             ];
             readme::insert(file, &blocks)?;

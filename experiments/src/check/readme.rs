@@ -29,8 +29,8 @@ impl Block {
 /// those asks for it, and our number in the papers' size. What that study claims of its own comes last.
 pub fn claims(targets: &Targets, judged: &[Judged], layouts: Option<&StudySummary>) -> Block {
     let mut text = String::from(
-        "| claim | where | paper | random layouts where it holds | papers' size: ours [95 % interval] | verdict there |\n\
-        |---|---|---|---|---|---|\n",
+        "| claim | where | paper | random layouts where it holds | papers' size: ours [95 % interval] | \
+        verdict there |\n|---|---|---|---|---|---|\n",
     );
     let mut add = |cells: [&str; 6]| {
         let row = cells.map(|cell| cell.replace('|', "\\|")).join(" | ");

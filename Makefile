@@ -61,7 +61,7 @@ robustness: ## wrong inputs, mutated files, kills, full disks, flipped bits in f
 	$(ECHOLOT) robustness target/tried.jsonl -o docs/validation/robustness.md
 
 bench: ## benchmarks and the speed of the engines (results/bench); BENCH="--measurement-time 1" is quicker
-	cargo bench -- $(BENCH)
+	cargo bench -p benches -- $(BENCH)
 	$(ECHOLOT) bench
 
 bless: ## make the present quick results the baseline of the regression gate

@@ -8,6 +8,7 @@ pub mod cells;
 pub mod claims;
 pub mod compare;
 pub mod file;
+mod forecast;
 pub mod interval;
 mod plan;
 mod run;

@@ -225,8 +225,8 @@ impl Plan {
         sessions
     }
 
-    /// The plan for people: recordings and trials, those that are missing, time and memory of the simulations by a
-    /// short run of the longest.
+    /// The plan for people: recordings and trials, those that are missing, time and memory: of the simulations by a
+    /// short run of the longest, of the trials by those before.
     ///
     /// # Errors
     /// When a scene does not run.
@@ -245,6 +245,7 @@ impl Plan {
             missing.len(),
         );
         text.push_str(&time_of(&missing, workspace)?);
+        text.push_str(&self.trials_text(study, workspace)?);
         Ok(text)
     }
 }

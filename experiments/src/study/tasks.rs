@@ -3,7 +3,7 @@
 //! The cache is the only state. A worker takes the lease of a task before it begins, so that any number of workers, on
 //! any number of machines that share the cache, do every task once.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
@@ -145,8 +145,13 @@ fn run_batch(
         .iter()
         .map(|&index| plan.trials[index].trial.clone())
         .collect();
+    let is_missing = |index: &&usize| !workspace.cache.has("trials", &plan.trials[**index].key);
+    let missing = batch.members.iter().filter(is_missing).count();
+    let started = Instant::now();
     trials::run_under(&session, task, done, &trials)
         .with_context(|| format!("{} of study {}", plan.label(study, batch), study.file.name))?;
+    let took = (missing, started.elapsed().as_secs_f64());
+    plan.note_speed(study, batch, took, workspace);
     drop(lease);
     Ok(true)
 }

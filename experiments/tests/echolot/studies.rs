@@ -58,6 +58,15 @@ fn a_study_has_the_numbers_of_the_commands() {
         printed.contains("holds: landmarks beat images"),
         "{printed}"
     );
+    // Nothing is known of how long trials take before the first have run.
+    assert!(plan.contains("slam take is known"), "{plan}");
+    study_file(at, &[("seeds", json!({"filter": 3}))]);
+    let more = expect(at, &["run", "mine.json", "--dry-run"]);
+    assert!(
+        more.contains("trials: about") && more.contains("MiB"),
+        "{more}"
+    );
+    study_file(at, &[]);
     let ours = summary(at, "results");
     for figure in ["mae_m_bars", "error_cdf", "paths_0"] {
         assert!(

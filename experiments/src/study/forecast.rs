@@ -25,7 +25,7 @@ struct Speed {
 }
 
 impl Plan {
-    /// Notes how long so many trials of a batch took. A note that cannot be written is none: it serves a forecast alone.
+    /// Notes how long so many trials of a batch took. It serves forecasts: failing to write it is no error.
     pub(super) fn note_speed(
         &self,
         study: &Study,

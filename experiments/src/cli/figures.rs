@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 use super::output::{print, print_json};
-use crate::figures::{Drawn, draw_all, draw_bench, study};
+use crate::figures::{Drawn, draw_all, draw_bench, draw_bound, study};
 use crate::study::{Study, StudySummary};
 
 /// Arguments of `figures`.
@@ -22,8 +22,10 @@ pub(crate) struct Arguments {
 
 /// Draws what a folder of results has data for.
 fn draw(folder: &Path) -> Result<Vec<Drawn>> {
-    if let Some(picture) = draw_bench(folder)? {
-        return Ok(vec![Drawn::Picture(picture)]);
+    for drawn in [draw_bench(folder)?, draw_bound(folder)?] {
+        if let Some(picture) = drawn {
+            return Ok(vec![Drawn::Picture(picture)]);
+        }
     }
     if !folder.join("data").is_dir() {
         bail!(

@@ -34,12 +34,15 @@ const PANELS: [Panel; 2] = [
     ),
 ];
 
+/// Name of the data file.
+pub(super) const DATA: &str = "landmark_bound.csv";
+
 /// Draws the figure.
 ///
 /// # Errors
 /// When the data file is missing or damaged, or the picture cannot be written.
 pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
-    let table = Table::read(&data.join("landmark_bound.csv"))?;
+    let table = Table::read(&data.join(DATA))?;
     let periods = table.distinct("periods")?;
     // Over the bound where an echo stands 20 dB below the noise: what the title says.
     let weak = table.only("snr_db", "-20")?;

@@ -115,11 +115,6 @@ const FIGURES: &[Figure] = &[
         needs: &["angular_resolution.csv", "angular_resolution_widths.csv"],
         draw: angular_resolution::draw,
     },
-    Figure {
-        name: "landmark_bound",
-        needs: &["landmark_bound.csv"],
-        draw: landmark_bound::draw,
-    },
 ];
 
 /// Figures of the experimental site, from the folder `site` in the results.
@@ -244,6 +239,20 @@ fn draw_each(
             Ok(Drawn::Picture(picture))
         })
         .collect()
+}
+
+/// Draws what a landmark's echo is off by, from the rows of the localizer's example; `None` where there are none.
+///
+/// # Errors
+/// When the rows are damaged or the picture cannot be written.
+pub fn draw_bound(results: &Path) -> Result<Option<PathBuf>> {
+    let data = results.join("data");
+    if !data.join(landmark_bound::DATA).exists() {
+        return Ok(None);
+    }
+    let picture = results.join("figures").join("landmark_bound.png");
+    landmark_bound::draw(&data, &picture)?;
+    Ok(Some(picture))
 }
 
 /// Draws `roofline.png` from the `bench.json` of `folder`; nothing when there is no such file.

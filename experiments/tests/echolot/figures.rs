@@ -4,7 +4,7 @@ use std::path::Path;
 
 use experiments::data::atomic;
 use experiments::data::table::Table;
-use experiments::figures::{Drawn, draw_all, draw_bench};
+use experiments::figures::{Drawn, draw_all, draw_bench, draw_bound};
 
 fn table(path: &Path, text: &str) {
     atomic::write(path, text.as_bytes()).unwrap();
@@ -142,6 +142,23 @@ fn the_roofline_is_drawn_from_the_rows_of_the_benchmark() {
         error.contains("bench.json") && error.contains("peaks"),
         "{error}"
     );
+}
+
+#[test]
+fn the_bound_is_drawn_from_the_rows_of_the_example() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(draw_bound(folder.path()).unwrap(), None);
+    let rows = "snr_db,periods,found,range_m,range_bound_m,cosine,cosine_bound\n\
+        -20,1,0.95,1.3e-3,1.2e-3,4.4e-2,4.8e-2\n0,1,1,1.3e-4,1.2e-4,6e-3,4.8e-3\n-20,6,1,5.9e-4,4.8e-4,1.3e-2,3.3e-3\n";
+    table(&folder.path().join("data/landmark_bound.csv"), rows);
+    let draw = || std::fs::read(draw_bound(folder.path()).unwrap().unwrap()).unwrap();
+    assert_eq!(draw(), draw());
+    table(
+        &folder.path().join("data/landmark_bound.csv"),
+        "snr_db,periods\n-20,1\n",
+    );
+    let error = format!("{:#}", draw_bound(folder.path()).unwrap_err());
+    assert!(error.contains("landmark_bound.csv"), "{error}");
 }
 
 #[test]

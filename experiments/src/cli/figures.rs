@@ -22,10 +22,9 @@ pub(crate) struct Arguments {
 
 /// Draws what a folder of results has data for.
 fn draw(folder: &Path) -> Result<Vec<Drawn>> {
-    for drawn in [draw_bench(folder)?, draw_bound(folder)?] {
-        if let Some(picture) = drawn {
-            return Ok(vec![Drawn::Picture(picture)]);
-        }
+    let alone = [draw_bench(folder)?, draw_bound(folder)?];
+    if let Some(picture) = alone.into_iter().flatten().next() {
+        return Ok(vec![Drawn::Picture(picture)]);
     }
     if !folder.join("data").is_dir() {
         bail!(

@@ -17,7 +17,7 @@ use fdtd::scheme::Scheme;
 use fdtd::walls::{Impedance, WallModel};
 use oracles::laws::impedance::{CASES, PLACES, is_held, largest, setting, tolerance};
 use oracles::laws::room::slanted_room;
-use oracles::laws::tilted_impedance::{self, RATIOS, SCHEMES, SLANTS, SLOPES, TOLERANCE};
+use oracles::laws::tilted_impedance::{self, RATIOS, SCHEMES, SLANTS, SLOPES, mean_tolerance};
 use proptest::prelude::*;
 
 #[test]
@@ -79,7 +79,7 @@ fn the_echo_of_a_tilted_wall_is_the_rigid_one_times_the_factor() {
             for (i, ratio) in RATIOS.into_iter().enumerate() {
                 let (mean, largest) = (errors.mean[i], errors.largest[i]);
                 assert!(
-                    largest < allowed && (!with_mean || mean < TOLERANCE),
+                    largest < allowed && (!with_mean || mean < mean_tolerance(tilt_deg)),
                     "{scheme}, {tilt_deg} degrees, {ratio}, {setting}: {mean}, {largest}"
                 );
             }
@@ -106,7 +106,7 @@ fn the_mean_echo_of_walls_at_tilts_between_is_the_rigid_one_times_the_factor() {
                 );
                 for mean in errors.mean {
                     assert!(
-                        mean < TOLERANCE,
+                        mean < mean_tolerance(tilt_deg),
                         "{scheme}, {tilt_deg}, {tangent}, {setting}: {mean}"
                     );
                 }

@@ -2,15 +2,18 @@
 
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
-.PHONY: help sim-experiments sim-quick sim-ensemble figures bound picture claims reference validate test check fuzz robustness \
-	bench bless python python-test
+.PHONY: help sim-experiments sim-landmarks sim-quick sim-ensemble figures bound picture claims reference validate test \
+	check fuzz robustness bench bless python python-test
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
 
-sim-experiments: ## simulate and reproduce the paper's studies in the paper's size, and landmarks beside (results)
-	$(ECHOLOT) run studies/papers/paper.json studies/papers/landmarks_periods.json \
-		studies/papers/landmarks_noise.json studies/papers/landmarks_site.json
+sim-experiments: ## simulate and reproduce the paper's studies in the paper's size (results/paper)
+	$(ECHOLOT) run studies/papers/paper.json
+
+sim-landmarks: ## landmarks and SLAM on the field in the same size (results/landmarks_*); shares its recordings
+	$(ECHOLOT) run studies/papers/landmarks_periods.json studies/papers/landmarks_noise.json \
+		studies/papers/landmarks_site.json
 
 sim-quick: ## the same chain in a small scene, and all methods by image sources (results/quick, results/methods)
 	$(ECHOLOT) run studies/quick

@@ -70,7 +70,7 @@ impl ShownArguments {
         words: Words<'_>,
     ) -> Result<()> {
         if let (Some(page), Some(frames)) = (&self.report, frames) {
-            let text = report::localization::page(shown, frames, words)?;
+            let text = report::localization::page(shown, frames, words);
             atomic::write(page, text.as_bytes())?;
             eprintln!("wrote {}", page.display());
         }

@@ -1,6 +1,5 @@
 //! The page of a localization: how well it went, and its replay.
 
-use anyhow::Result;
 use maud::html;
 
 use super::replay::{Replay, Track};
@@ -28,14 +27,7 @@ pub(crate) struct Words<'a> {
 }
 
 /// The page of a localization, where no results are beside it.
-///
-/// # Errors
-/// When the map's picture cannot be made.
-pub(crate) fn page(
-    shown: &Localization<'_>,
-    mut frames: Frames,
-    words: Words<'_>,
-) -> Result<String> {
+pub(crate) fn page(shown: &Localization<'_>, mut frames: Frames, words: Words<'_>) -> String {
     let truth = shown
         .truth
         .filter(|_| !shown.path.t_s.is_empty())
@@ -71,9 +63,9 @@ pub(crate) fn page(
         h2 { "Provenance" }
         (provenance(&Provenance::here()))
     };
-    Ok(document(Content {
+    document(Content {
         title: words.title,
         about: words.about,
         body,
-    }))
+    })
 }

@@ -3,7 +3,7 @@
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
 .PHONY: help sim-experiments sim-landmarks sim-quick sim-ensemble figures bound picture claims reference validate test \
-	check fuzz robustness bench bless python python-test
+	audio-test check fuzz robustness bench bless python python-test
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
@@ -47,6 +47,10 @@ reference: ## the command line as a page of the documents (docs/reference/comman
 
 test: ## all tests
 	cargo test --release
+
+audio-test: ## what plays and records on sound devices (feature audio; Linux needs libasound2-dev)
+	cargo test --release -p experiments --features audio --lib -- live::audio
+	cargo test --release -p experiments --features audio --test echolot -- audio
 
 check: ## formatting, lints, tests
 	cargo fmt --all --check

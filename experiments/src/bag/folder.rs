@@ -29,12 +29,27 @@ const RADIANS: &[&str] = &[
 ];
 const DEGREES: &[&str] = &["heading_deg", "yaw_deg", "theta_deg"];
 const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
+const SPEED: &[&str] = &["v_mps", "v", "vx", "vx_mps", "speed", "speed_mps"];
+const TURN_RADIANS: &[&str] = &["omega_radps", "omega", "yaw_rate_rad", "yaw_rate", "wz"];
+const TURN_DEGREES: &[&str] = &["omega_degps", "yaw_rate_deg", "yaw_rate_degps"];
 
 /// Longest table, in bytes.
 const LONGEST: u64 = 1 << 30;
 
 /// Longest drive, in seconds.
 const LONGEST_S: f64 = 1e5;
+
+/// Share of the distance that a robot on wheels may go sideways before it is told.
+const SIDEWAYS: f64 = 0.2;
+
+/// A table of poses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The poses.
+    pub path: Trajectory,
+    /// Speed ahead in m/s and turn rate in rad/s at each pose, where the table has columns of them.
+    pub speeds: Option<Vec<[f64; 2]>>,
+}
 
 /// Time between two lines of the odometry that is made of poses, and over which a speed is taken, in seconds.
 const STEP_S: f64 = 0.05;
@@ -73,12 +88,13 @@ fn collect(folder: &Path, end: &str, depth: u32, found: &mut Vec<std::path::Path
     }
 }
 
-/// Reads a table of poses: a header, and rows with time, x, y and a heading or quaternion; `unit_s` is the unit of
-/// times. Rows that leave one of them empty, as those of other sensors in one table, are left out.
+/// Reads a table of poses: a header, and rows with time, x, y and a heading or quaternion, and speeds where it has them;
+/// `unit_s` is the unit of times. Rows that leave one of them empty, as those of other sensors in one table, are left
+/// out.
 ///
 /// # Errors
 /// When the file cannot be read, a column is missing, or a number is none.
-pub fn poses(file: &Path, unit_s: f64) -> Result<Trajectory> {
+pub fn poses(file: &Path, unit_s: f64) -> Result<Table> {
     let of_file = || file.display().to_string();
     let length = std::fs::metadata(file).with_context(of_file)?.len();
     if length > LONGEST {
@@ -95,7 +111,7 @@ pub fn poses(file: &Path, unit_s: f64) -> Result<Trajectory> {
 ///
 /// # Errors
 /// As [`poses`].
-pub fn parse(text: &str, origin: &str, unit_s: f64) -> Result<Trajectory> {
+pub fn parse(text: &str, origin: &str, unit_s: f64) -> Result<Table> {
     let mut records = records(text.trim_start_matches('\u{feff}'));
     let header: Vec<String> = (records.next().unwrap_or_default().iter())
         .map(|name| name.trim().to_lowercase())
@@ -123,23 +139,32 @@ pub fn parse(text: &str, origin: &str, unit_s: f64) -> Result<Trajectory> {
         ),
     };
     let in_degrees = column(RADIANS).is_none() && column(DEGREES).is_some();
-    let (mut t_s, mut poses) = (Vec::new(), Vec::<Pose>::new());
+    let turn = (column(TURN_RADIANS).map(|at| (at, 1.0)))
+        .or_else(|| column(TURN_DEGREES).map(|at| (at, 1_f64.to_radians())));
+    let motion = column(SPEED).zip(turn);
+    let (mut t_s, mut poses, mut speeds) = (Vec::new(), Vec::<Pose>::new(), Vec::new());
     for (index, record) in records.enumerate() {
-        let mut numbers = Vec::with_capacity(7);
-        for &place in places.iter().chain(&heading) {
+        let number = |place: usize| -> Result<Option<f64>> {
             let cell = record.get(place).map_or("", |cell| cell.trim());
             if cell.is_empty() {
-                break;
+                return Ok(None);
             }
             let number = cell.parse().ok().filter(|number: &f64| number.is_finite());
-            numbers.push(number.with_context(|| {
+            number.map(Some).with_context(|| {
                 let short: String = cell.chars().filter(|c| !c.is_control()).take(20).collect();
                 format!(
                     "{origin}: row {}: {}: `{short}` is no number",
                     index + 2,
                     header[place]
                 )
-            })?);
+            })
+        };
+        let mut numbers = Vec::with_capacity(7);
+        for &place in places.iter().chain(&heading) {
+            let Some(number) = number(place)? else {
+                break;
+            };
+            numbers.push(number);
         }
         let heading_rad = match numbers[..] {
             [_, _, _, angle] if in_degrees => angle.to_radians(),
@@ -153,6 +178,11 @@ pub fn parse(text: &str, origin: &str, unit_s: f64) -> Result<Trajectory> {
                 "{origin}: row {}: times do not increase; sort it",
                 index + 2
             );
+        }
+        if let Some((speed, (turn, unit))) = motion
+            && let (Some(speed), Some(turn)) = (number(speed)?, number(turn)?)
+        {
+            speeds.push([speed, turn * unit]);
         }
         t_s.push(time_s);
         poses.push(Pose {
@@ -171,7 +201,51 @@ pub fn parse(text: &str, origin: &str, unit_s: f64) -> Result<Trajectory> {
     if length_s > LONGEST_S {
         bail!("{origin}: lasts {length_s:.0} s; give the unit of its times (--time-unit)");
     }
-    Ok(Trajectory { t_s, poses })
+    let speeds = (speeds.len() == poses.len()).then_some(speeds);
+    let path = Trajectory { t_s, poses };
+    Ok(Table { path, speeds })
+}
+
+impl Table {
+    /// `odometry.csv`: the table's own speeds, or those of its poses.
+    pub fn odometry(&self) -> String {
+        let Some(speeds) = &self.speeds else {
+            return odometry(&self.path);
+        };
+        let mut text = String::from("t_s,v_mps,omega_radps\n");
+        for (t_s, [speed_mps, turn_radps]) in self.path.t_s.iter().zip(speeds) {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{t_s:.9},{speed_mps},{turn_radps}");
+        }
+        text
+    }
+
+    /// What one has to know of wheels from this table.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.speeds.is_none() {
+            warnings.push(
+                "the wheels are made of the poses: they are as good as the truth; replace odometry.csv by a log of \
+                 wheels if there is one"
+                    .to_string(),
+            );
+        }
+        let (mut ahead_m, mut sideways_m) = (0.0, 0.0);
+        for pair in self.path.poses.windows(2) {
+            let turn = wrap_angle(pair[1].heading_rad - pair[0].heading_rad);
+            let (sine, cosine) = (pair[0].heading_rad + 0.5 * turn).sin_cos();
+            let (x_m, y_m) = (pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
+            ahead_m += (x_m * cosine + y_m * sine).abs();
+            sideways_m += (y_m * cosine - x_m * sine).abs();
+        }
+        if sideways_m > SIDEWAYS * (ahead_m + sideways_m) {
+            warnings.push(format!(
+                "it goes {sideways_m:.2} m sideways and {ahead_m:.2} m ahead; a robot on wheels goes ahead: look \
+                 whether headings are right, and expect no good poses of one that hovers"
+            ));
+        }
+        warnings
+    }
 }
 
 /// Cells of rows separated by commas or semicolons; a quoted cell may hold both, and line breaks.
@@ -249,7 +323,7 @@ mod tests {
                 1.0,
             ),
         ] {
-            let path = parse(text, "a.csv", unit_s).unwrap();
+            let path = parse(text, "a.csv", unit_s).unwrap().path;
             assert_eq!(path.t_s, [1.0, 2.0], "{text}");
             let [first, second] = path.poses[..] else {
                 panic!("{text}");
@@ -295,5 +369,31 @@ mod tests {
                 "{row:?}"
             );
         }
+    }
+
+    #[test]
+    fn a_tables_own_speeds_are_the_wheels() {
+        // Columns in the order of audioROS's tables: sorted, with rows of sound between.
+        let text = "audio_timestamp,index,timestamp,topic,vx,vy,x,y,yaw_deg,yaw_rate_deg,z\n\
+            5,0,10,audio/signals_f,,,,,,,\n\
+            ,1,20,geometry/pose_raw,0.2,0,1,2,0,90,0.4\n\
+            ,2,120,geometry/pose_raw,0.25,0,1.02,2,9,45,0.4\n";
+        let table = parse(text, "a.csv", 1e-3).unwrap();
+        let turn = std::f64::consts::FRAC_PI_2;
+        assert_eq!(table.speeds, Some(vec![[0.2, turn], [0.25, 0.5 * turn]]));
+        assert!(table.warnings().is_empty(), "{:?}", table.warnings());
+        let lines: Vec<String> = table.odometry().lines().map(str::to_owned).collect();
+        assert_eq!(lines[1], format!("0.020000000,0.2,{turn}"));
+        // A row without speeds: none of them.
+        let gap = text.replace("0.25,0,1.02", ",,1.02");
+        let table = parse(&gap, "a.csv", 1e-3).unwrap();
+        assert_eq!(table.speeds, None);
+        assert!(table.warnings()[0].contains("made of the poses"));
+        let crab = "t,x,y,yaw\n0,0,0,0\n1,0,1,0\n2,0.1,2,0\n";
+        let warnings = parse(crab, "a.csv", 1.0).unwrap().warnings();
+        assert!(
+            warnings.iter().any(|own| own.contains("sideways")),
+            "{warnings:?}"
+        );
     }
 }

@@ -65,7 +65,8 @@ enum Sound {
     A folder of a WAV and a table of poses (a CSV with columns such as t, x, y, yaw, or qx to qw) is imported too, as \
     public data sets lay them out:\n  \
     echolot import trajectoRIR -o recordings/t --sound audio/MOV/S1/SL1/MC1/V1/M1.wav --poses meta/cart_pose.csv\n\
-    Its wheels are made of the poses, unless you replace odometry.csv."
+    Its wheels are the table's speeds and turn rates (columns such as vx, yaw_rate_deg) or else made of the poses, \
+    unless you replace odometry.csv."
 )]
 pub(crate) struct Arguments {
     /// ROS 2 bag (an MCAP file, or the folder of one), or a folder of a WAV and a table of poses.
@@ -163,19 +164,15 @@ impl Arguments {
             None => folder::only(&self.bag, end, option),
         };
         let sound = named(&self.sound, "wav", "--sound")?;
-        let path = folder::poses(
+        let table = folder::poses(
             &named(&self.poses, "csv", "--poses")?,
             self.time_unit.seconds(),
         )?;
         WavStream::open(&sound)?;
         let imported = Imported {
-            odometry: folder::odometry(&path),
-            truth: Some(path.to_tum()),
-            warnings: vec![
-                "the wheels are made of the poses: they are as good as the truth; replace odometry.csv by a log of \
-                 wheels if there is one"
-                    .to_string(),
-            ],
+            odometry: table.odometry(),
+            truth: Some(table.path.to_tum()),
+            warnings: table.warnings(),
             ..Imported::default()
         };
         Ok((imported, Sound::File(sound)))

@@ -48,6 +48,16 @@ pub fn check(
         .meta
         .check(origin)
         .map_err(|error| in_terms_of_scene(scene, &error))?;
+    let apart = scene.robot.loudspeaker_offset_m != scene.robot.microphone_offset_m;
+    if spec.engine == Engine::ImageSource
+        && !apart
+        && robot.is_some_and(|robot| robot.sound_card.is_some())
+    {
+        bail!(
+            "{origin}: robot.microphone_offset_m: is the place of the loudspeaker, where image sources have no direct \
+            wave, and nothing else tells how late a sound card is; set it apart, or simulate the field (--engine fdtd)"
+        );
+    }
     if let Some(robot) = robot {
         robot.apply(&mut recording, path, &spec.path);
     }
@@ -148,6 +158,35 @@ mod tests {
                 "{to}: {said}"
             );
             assert!(!said.contains("max_range"), "{said}");
+        }
+    }
+
+    #[test]
+    fn a_sound_card_needs_a_direct_wave() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/site_robot/robot.json");
+        let card = Robot::read(&file).unwrap();
+        let clean = Robot {
+            sound_card: None,
+            ..card.clone()
+        };
+        let apart = SCENE.replace("[0.0, 0.0]", "[0.1, 0.0]");
+        for (text, engine, robot, refused) in [
+            (SCENE, Engine::ImageSource, &card, true),
+            (SCENE, Engine::ImageSource, &clean, false),
+            (SCENE, Engine::Fdtd, &card, false),
+            (&apart, Engine::ImageSource, &card, false),
+        ] {
+            let scene = Scene::from_json(text, Path::new("hall.json")).unwrap();
+            let spec = RecordingSpec::of("drive", engine);
+            let said = check(&scene, "hall.json", &spec, Some(robot));
+            match said {
+                Ok(()) => assert!(!refused, "{engine:?}"),
+                Err(error) => {
+                    let text = format!("{error:#}");
+                    assert!(refused, "{text}");
+                    assert!(text.contains("robot.microphone_offset_m"), "{text}");
+                }
+            }
         }
     }
 }

@@ -139,18 +139,23 @@ fn folders_of_sound_and_poses_are_imported() {
         }
         std::fs::copy(drive.join("signal.wav"), own.join(sound)).unwrap();
         let mut text = match name {
-            "audioROS" => "index,timestamp,topic,x,y,yaw_deg,spectrum\n".to_string(),
+            // As its csv_writer sorts the fields of its messages.
+            "audioROS" => "audio_timestamp,frequencies,index,mic_positions,n_frequencies,n_mics,signals_imag_vect,\
+                signals_real_vect,timestamp,topic,vx,vy,x,y,yaw_deg,yaw_rate_deg,z\n"
+                .to_string(),
             _ => "Time;X;Y;Theta\n".to_string(),
         };
         for (k, (t_s, pose)) in truth.t_s.iter().zip(&truth.poses).enumerate() {
             let t_s = t_s - first_s;
             text += &match name {
                 "audioROS" => format!(
-                    "{k},{},geometry/pose,{},{},{},\n{k},,audio/signals_f,,,,\"[1\n2]\"\n",
+                    ",,{k},,,,,,{},geometry/pose_raw,,,{},{},{},,0.4\n9,\"[ 187\n  406]\",{k},[0.054 -0.054],2,1,\
+                    \"[1\n2]\",\"[3\n4]\",{},audio/signals_f,,,,,,,\n",
                     1e3 * t_s,
                     pose.x_m,
                     pose.y_m,
-                    pose.heading_rad.to_degrees()
+                    pose.heading_rad.to_degrees(),
+                    1e3 * t_s + 1.0,
                 ),
                 _ => format!("{t_s};{};{};{}\n", pose.x_m, pose.y_m, pose.heading_rad),
             };

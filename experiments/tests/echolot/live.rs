@@ -251,3 +251,25 @@ fn any_periodic_waveform_maps_and_localizes() {
         assert!(lines > 50, "{told}");
     }
 }
+
+/// A build without sound devices says how to get one that has them.
+#[cfg(not(feature = "audio"))]
+#[test]
+fn a_build_without_sound_devices_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = [
+        "track",
+        "--map",
+        "map",
+        "--audio",
+        "--odometry",
+        "fd:0",
+        "--start",
+        "0,0,0",
+    ];
+    let said = crate::room::refuse(folder.path(), &arguments);
+    assert!(
+        said.contains("--audio") && said.contains("--features"),
+        "{said}"
+    );
+}

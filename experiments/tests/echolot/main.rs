@@ -1,5 +1,7 @@
 //! The command line tool and its modules, from outside.
 
+#[cfg(feature = "audio")]
+mod audio;
 mod bags;
 mod bench;
 mod cache;

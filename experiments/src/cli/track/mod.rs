@@ -1,26 +1,26 @@
 //! `echolot track`.
 
+mod input;
 mod setup;
 mod sound;
 mod stream;
 mod view;
 mod wheels;
 
-use std::io::{BufReader, IsTerminal, Write};
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use localizer::Trajectory;
-use localizer::align::SoundClock;
 
-use self::sound::Sound;
+use self::input::Input;
 use self::view::View;
 use self::wheels::Wheels;
 use super::localize::MethodArgument;
 use super::start::{StartArgument, start, start_sigma};
-use crate::live::pcm::{self, Format, Layout};
+use crate::live::pcm::Format;
 use crate::localization::Told;
 
 /// Periods whose time of work is averaged.
@@ -49,7 +49,8 @@ enum Clock {
 #[command(
     after_help = "Example:\n  arecord -q -f S16_LE -c 2 -r 48000 -t raw | echolot track --map maps/room --format s16 \
     --rate 48000 --channels 2 --odometry udp:5005 --start 1.2,0.8,90\n  \
-    echolot track --map maps/room --odometry drive/odometry.csv --start 1.2,0.8,90 --output tum < drive/signal.wav\n\n\
+    echolot track --map maps/room --odometry drive/odometry.csv --start 1.2,0.8,90 --output tum < drive/signal.wav\n  \
+    echolot track --map maps/room --audio --rate 48000 --odometry udp:5005 --start 1.2,0.8,90\n\n\
     Poses are those that localize computes for the same sound and log, byte for byte, one a period, at most one period \
     after their last sample. Unless --late, --drift and --odometry-clock are given, the first poses wait for the drive \
     that tells them: the sound for one second of the code, the wheels' clock for 20 s of driving. Gaps in the sound \
@@ -74,12 +75,12 @@ pub(crate) struct Arguments {
     /// Format of the sound on standard input.
     #[arg(long, value_enum, default_value_t = Format::Wav)]
     format: Format,
-    /// Sample rate of raw samples, Hz.
+    /// Sample rate of raw samples or of the sound device, Hz.
     #[arg(long, value_name = "F", default_value_t = 48_000.0)]
     rate: f64,
-    /// Channels of raw samples.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    channels: usize,
+    /// Channels of raw samples, one unless given, or of the microphone's device, its fewest unless given.
+    #[arg(long, value_name = "N")]
+    channels: Option<usize>,
     /// Channel to use, the first is 1; the first with the code in it unless given.
     #[arg(long, value_name = "N")]
     channel: Option<usize>,
@@ -119,6 +120,27 @@ pub(crate) struct Arguments {
     /// Time that late odometry is waited for, seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5)]
     patience: f64,
+    /// Play the code on a sound device and take the sound that it records, in place of standard input.
+    #[arg(long, conflicts_with = "format")]
+    audio: bool,
+    /// Sound device that records; the system's default unless given.
+    #[arg(long, value_name = "DEVICE", requires = "audio")]
+    microphone: Option<String>,
+    /// Sound device that plays; the system's default unless given.
+    #[arg(long, value_name = "DEVICE", requires = "audio")]
+    loudspeaker: Option<String>,
+    /// Largest sample that is played, decibels of full scale.
+    #[arg(
+        long,
+        value_name = "DB",
+        default_value_t = -6.0,
+        allow_hyphen_values = true,
+        requires = "audio"
+    )]
+    level: f64,
+    /// Time after which the sound device stops; Ctrl-C does unless given.
+    #[arg(long, value_name = "S", requires = "audio")]
+    seconds: Option<f64>,
     /// Show pose, fit and the newest echoes on standard error, which is a terminal; poses then go to standard output
     /// only where that is none.
     #[arg(long)]
@@ -131,23 +153,12 @@ impl Arguments {
         if !(0.0..=60.0).contains(&self.patience) {
             bail!("--patience: {} s; give 0 to 60", self.patience);
         }
-        let mut input = BufReader::with_capacity(1 << 16, std::io::stdin());
-        let layout = match self.format {
-            Format::Wav => pcm::header(&mut input, self.channel)?,
-            format => Layout {
-                format,
-                rate_hz: self.rate,
-                channels: self.channels,
-                channel: self.channel,
-            }
-            .checked()?,
-        };
-        let (mut engine, parameters) = self.engine(layout.rate_hz)?;
-        let clock = SoundClock {
-            late_s: self.late.map(|late_ms| 1e-3 * late_ms),
-            drift_ppm: self.drift,
-        };
-        let mut sound = Sound::start(input, layout, &parameters, clock)?;
+        let Input {
+            mut engine,
+            parameters,
+            mut sound,
+            device,
+        } = self.open()?;
         let fastest_mps = 0.1 * parameters.signal.speed_of_sound_mps;
         let patience = Duration::from_secs_f64(self.patience);
         let mut wheels = Wheels::start(&self.odometry, patience, fastest_mps)?;
@@ -212,6 +223,14 @@ impl Arguments {
             "{} periods, {} of them without the code; the recorder runs {:+.2} ppm",
             report.periods, report.unheard, report.drift_ppm
         );
+        #[cfg(feature = "audio")]
+        if let Some(lost) = device.map(|device| device.lost()).filter(|lost| *lost > 0) {
+            eprintln!(
+                "warning: {lost} samples of the device were lost: poses came too slowly to take them"
+            );
+        }
+        #[cfg(not(feature = "audio"))]
+        drop(device);
         Ok(())
     }
 

@@ -1,7 +1,6 @@
 //! Sound as it comes, in periods of the code, by the first channel that has it.
 
 use std::collections::VecDeque;
-use std::io::{BufReader, Read};
 
 use anyhow::Result;
 use localizer::Parameters;
@@ -27,7 +26,7 @@ pub(super) struct Sound {
 impl Sound {
     /// The sound of a stream in the layout, for periods of the parameters.
     pub(super) fn start(
-        input: BufReader<impl Read + Send + 'static>,
+        stream: Stream,
         layout: Layout,
         parameters: &Parameters,
         clock: SoundClock,
@@ -46,7 +45,7 @@ impl Sound {
             candidates: candidates.collect::<Result<_>>()?,
             channels: layout.channels,
             samples: Vec::new(),
-            stream: Stream::start(input, layout),
+            stream,
             ended: false,
             gaps: 0,
         })

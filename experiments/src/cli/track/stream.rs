@@ -1,6 +1,8 @@
-//! Sound on standard input, read by a thread of its own.
+//! Sound that comes: of standard input, read by a thread of its own, or of a sound device.
 
 use std::io::{BufReader, Read};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
@@ -15,9 +17,13 @@ const FRAMES: usize = 480;
 /// Pieces that wait; more wait in the pipe.
 const WAITING: usize = 64;
 
-/// A stream that a thread reads.
+/// Sound that comes in pieces.
 pub(super) struct Stream {
     pieces: Receiver<std::io::Result<Vec<f32>>>,
+    /// Where it comes from, in errors.
+    origin: &'static str,
+    /// Samples that wait, where the sender counts them.
+    waiting: Option<Arc<AtomicU64>>,
 }
 
 impl Stream {
@@ -25,7 +31,21 @@ impl Stream {
     pub(super) fn start(stream: BufReader<impl Read + Send + 'static>, layout: Layout) -> Self {
         let (sender, pieces) = sync_channel(WAITING);
         std::thread::spawn(move || pump(stream, layout, &sender));
-        Self { pieces }
+        Self {
+            pieces,
+            origin: "standard input",
+            waiting: None,
+        }
+    }
+
+    /// What a sound device records.
+    #[cfg(feature = "audio")]
+    pub(super) fn of_device(pieces: crate::live::audio::Pieces) -> Self {
+        Self {
+            pieces: pieces.receiver,
+            origin: "--audio",
+            waiting: Some(pieces.waiting),
+        }
     }
 
     /// The next samples of all channels, frame by frame; none at the end.
@@ -33,7 +53,12 @@ impl Stream {
         loop {
             interrupt::check()?;
             match self.pieces.recv_timeout(Duration::from_millis(100)) {
-                Ok(piece) => return piece.map(Some).context("standard input"),
+                Ok(piece) => {
+                    if let (Some(waiting), Ok(piece)) = (&self.waiting, &piece) {
+                        waiting.fetch_sub(piece.len() as u64, Ordering::Relaxed);
+                    }
+                    return piece.map(Some).context(self.origin);
+                }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return Ok(None),
             }

@@ -5,9 +5,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use fdtd::grid::Grid;
 use fdtd::simulation::{Places, SimulationOptions, SteppedField};
 use ndarray::Array2;
-use numpy::{IntoPyArray, PyArray2, PyUntypedArrayMethods};
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 
 use crate::arrays::{contiguous, shape_error, slice};
 use crate::error::of_library;
@@ -25,9 +26,27 @@ const LOOK: usize = 256;
 pub(crate) struct Field {
     field: Mutex<SteppedField>,
     grid: Grid,
+    /// What views of the pressure show; made when the first is asked for.
+    shown: PyOnceLock<Py<PyArray2<f32>>>,
 }
 
 impl Field {
+    /// Brings what views show up to date, where there are any.
+    fn show(&self, py: Python<'_>) -> PyResult<()> {
+        // A view holds its base: without one the array is held here alone.
+        match self.shown.get(py) {
+            Some(shown) if shown.get_refcnt(py) > 1 => self.refresh(py, shown),
+            _ => Ok(()),
+        }
+    }
+
+    fn refresh(&self, py: Python<'_>, shown: &Py<PyArray2<f32>>) -> PyResult<()> {
+        let pressure = py.detach(|| self.locked().pressure());
+        let mut array = shown.bind(py).try_readwrite()?;
+        array.as_slice_mut()?.copy_from_slice(&pressure);
+        Ok(())
+    }
+
     /// The field; one thread at a time has it, and none holds it while it waits for the interpreter.
     fn locked(&self) -> MutexGuard<'_, SteppedField> {
         self.field.lock().unwrap_or_else(PoisonError::into_inner)
@@ -108,6 +127,7 @@ impl Field {
         Ok(Self {
             grid: field.domain().grid,
             field: Mutex::new(field),
+            shown: PyOnceLock::new(),
         })
     }
 
@@ -169,27 +189,35 @@ impl Field {
         };
         let strengths = slice(&strengths)?;
         let mut received: Vec<f32> = Vec::with_capacity(steps * ears.count());
+        let own = slf.get();
         let mut first = 0;
-        while first < steps {
-            py.check_signals()?;
-            let mut end = steps.min(first + LOOK);
-            if let Some(looks) = first.checked_div(every) {
-                end = end.min((looks + 1) * every);
+        let mut advance = || -> PyResult<()> {
+            while first < steps {
+                py.check_signals()?;
+                let mut end = steps.min(first + LOOK);
+                if let Some(looks) = first.checked_div(every) {
+                    end = end.min((looks + 1) * every);
+                }
+                let part = py.detach(|| {
+                    own.locked().run(
+                        &strengths[first * count..end * count],
+                        sources.of_steps(first..end),
+                        ears.of_steps(first..end),
+                    )
+                });
+                received.extend(part.map_err(of_library)?);
+                if let Some(callback) = callback.filter(|_| end.is_multiple_of(every.max(1))) {
+                    own.show(py)?;
+                    callback.call1((slf,))?;
+                }
+                first = end;
             }
-            let own = slf.get();
-            let part = py.detach(|| {
-                own.locked().run(
-                    &strengths[first * count..end * count],
-                    sources.of_steps(first..end),
-                    ears.of_steps(first..end),
-                )
-            });
-            received.extend(part.map_err(of_library)?);
-            if let Some(callback) = callback.filter(|_| end.is_multiple_of(every.max(1))) {
-                callback.call1((slf,))?;
-            }
-            first = end;
-        }
+            Ok(())
+        };
+        // Interrupted or refused, the field is where it is, and views show it.
+        let advanced = advance();
+        own.show(py)?;
+        advanced?;
         if single {
             return Ok(received.into_pyarray(py).into_any());
         }
@@ -198,16 +226,22 @@ impl Field {
         Ok(array.into_pyarray(py).into_any())
     }
 
-    /// The newest pressure in Pa, float32 ``(ny, nx)``: a new array, whose memory is NumPy's.
+    /// The newest pressure in Pa, float32 ``(ny, nx)``: a read-only view that follows the field.
     ///
-    /// The engine keeps rows in an order that suits vectors, which no strides describe; they are put in order once,
-    /// into the array's own memory.
+    /// All views are of one array, which ``run`` keeps up to date before it calls ``callback`` and at its end, for as
+    /// long as there is a view; take a ``copy()`` of what is to stay. Looking costs nothing. Keeping it costs one pass
+    /// over the cells: the engine has rows in an order that suits vectors, which no strides describe.
     #[getter]
-    fn pressure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let pressure = py.detach(|| self.locked().pressure());
-        let array = Array2::from_shape_vec((self.grid.ny, self.grid.nx), pressure)
-            .map_err(|error| PyValueError::new_err(error.to_string()))?;
-        Ok(array.into_pyarray(py))
+    fn pressure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let shown = self.shown.get_or_init(py, || {
+            PyArray2::zeros(py, [self.grid.ny, self.grid.nx], false).unbind()
+        });
+        if shown.get_refcnt(py) == 1 {
+            self.refresh(py, shown)?;
+        }
+        let view = shown.bind(py).call_method0("view")?;
+        view.call_method1("setflags", (false,))?;
+        Ok(view)
     }
 
     /// Time of the newest pressure in seconds.

@@ -445,3 +445,6 @@ impl Test {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

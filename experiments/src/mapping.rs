@@ -1,11 +1,13 @@
 //! Maps of drives whose poses are known: echo images added up, or landmarks.
 
-use anyhow::{Context, Result, bail};
+use std::path::Path;
+
+use anyhow::{Result, bail};
 use localizer::image::map_builder::MapBuilder;
-use localizer::landmarks::{self, LandmarkMap};
+use localizer::landmarks::{LandmarkMap, Learner};
 use localizer::parameters::SignalParameters;
 use localizer::quality::CodeMeter;
-use localizer::{EchoSequence, MapImage, Parameters, Pose, echo};
+use localizer::{MapImage, Parameters};
 
 use crate::drive::Drive;
 use crate::trust::{self, Cover, Warnings};
@@ -57,7 +59,7 @@ pub struct Mapping {
     kind: MapKind,
     parameters: Parameters,
     images: Option<(MapBuilder, SignalParameters)>,
-    drives: Vec<(EchoSequence, Vec<Pose>)>,
+    landmarks: Learner,
     report: MappingReport,
 }
 
@@ -68,7 +70,7 @@ impl Mapping {
             kind,
             parameters,
             images: None,
-            drives: Vec::new(),
+            landmarks: Learner::default(),
             report: MappingReport::default(),
         }
     }
@@ -93,40 +95,41 @@ impl Mapping {
         };
         drive.check_signal()?;
         let own = self.parameters.for_recording(drive.meta());
-        if self.kind == MapKind::Landmarks {
-            let echoes = echo::measure(drive.load()?.as_ref(), &own)?;
-            let code = CodeMeter::of(&echoes);
-            let code = trust::check_echoes(drive.meta(), &code, name, warnings)?;
-            let covered = trust::covered(echoes, truth, name, warnings)?;
-            self.report.codes.push(code);
-            self.report.blocks.push(covered.1.len());
-            self.drives.push(covered);
-            return Ok(());
-        }
-        if self.images.is_none() {
-            self.images = Some((MapBuilder::new(&own)?, own.signal));
-        }
-        let (map, first) = self.images.as_mut().context("map: no drive")?;
-        if *first != own.signal {
-            bail!(
-                "{}: was recorded with another code, speed of sound, rate or sensor than the first recording; make a \
-                 map of recordings of one kind",
-                name.display()
-            );
+        match self.kind {
+            MapKind::Images => self.begin_images(&own, name)?,
+            MapKind::Landmarks => self.landmarks.begin(&own)?,
         }
         let mut code = CodeMeter::new(&own);
         let speeds = drive.odometry().iter().map(|sample| sample.v_mps);
         let mut cover = Cover::new(truth, speeds, name, warnings)?;
         drive.measure_each(&own, &mut |block, _| {
             code.add(block);
-            if let Some(pose) = cover.pose_at(block.t_s) {
-                map.add(block, &pose)?;
+            let Some(pose) = cover.pose_at(block.t_s) else {
+                return Ok(true);
+            };
+            match &mut self.images {
+                Some((map, _)) => map.add(block, &pose)?,
+                None => self.landmarks.add(block, &pose),
             }
             Ok(true)
         })?;
         let code = trust::check_echoes(drive.meta(), &code, name, warnings)?;
         self.report.codes.push(code);
         self.report.blocks.push(cover.finish(name, warnings)?);
+        Ok(())
+    }
+
+    /// A map of images of nothing with the first drive; those after it have to be of its kind.
+    fn begin_images(&mut self, own: &Parameters, name: &Path) -> Result<()> {
+        match &self.images {
+            None => self.images = Some((MapBuilder::new(own)?, own.signal)),
+            Some((_, first)) if *first != own.signal => bail!(
+                "{}: was recorded with another code, speed of sound, rate or sensor than the first recording; make a \
+                 map of recordings of one kind",
+                name.display()
+            ),
+            Some(_) => {}
+        }
         Ok(())
     }
 
@@ -138,12 +141,7 @@ impl Mapping {
         let map = match (self.kind, self.images) {
             (MapKind::Images, Some((map, _))) => Map::Images(map.finish()?),
             (MapKind::Images, None) => bail!("map: there is no drive; give at least one"),
-            (MapKind::Landmarks, _) => {
-                let drives: Vec<(&EchoSequence, &[Pose])> = (self.drives.iter())
-                    .map(|(echoes, poses)| (echoes, poses.as_slice()))
-                    .collect();
-                Map::Landmarks(landmarks::learn(&drives)?)
-            }
+            (MapKind::Landmarks, _) => Map::Landmarks(self.landmarks.finish()?),
         };
         Ok((map, self.report))
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Result, bail};
 use localizer::quality::CodeMeter;
 use localizer::recording::RecordingMeta;
-use localizer::{EchoSequence, Parameters, Pose, Trajectory};
+use localizer::{Parameters, Pose, Trajectory};
 
 use crate::data::manifest::Manifest;
 
@@ -207,31 +207,6 @@ impl<'a> Cover<'a> {
         }
         Ok(self.covered)
     }
-}
-
-/// The blocks of a mapping drive that its truth covers, with their poses.
-///
-/// # Errors
-/// As [`Cover::new`] and [`Cover::finish`].
-pub fn covered(
-    echoes: EchoSequence,
-    truth: &Trajectory,
-    folder: &Path,
-    warnings: &mut Warnings,
-) -> Result<(EchoSequence, Vec<Pose>)> {
-    let speeds = echoes.odometry.iter().map(|odometry| odometry.v_mps);
-    let mut cover = Cover::new(truth, speeds, folder, warnings)?;
-    let (blocks, poses): (Vec<_>, Vec<_>) = echoes
-        .blocks
-        .into_iter()
-        .filter_map(|block| {
-            let pose = cover.pose_at(block.t_s)?;
-            Some((block, pose))
-        })
-        .unzip();
-    cover.finish(folder, warnings)?;
-    let covered = EchoSequence { blocks, ..echoes };
-    Ok((covered, poses))
 }
 
 /// Words on values of a parameter file that `recording.json` replaces.

@@ -9,7 +9,7 @@ use super::targets::Targets;
 use super::verdicts::Judged;
 use crate::data::{atomic, json};
 use crate::run::progress::duration;
-use crate::run::provenance::Provenance;
+use crate::run::provenance::{Provenance, SIMULATIONS};
 use crate::study::{self, StudySummary};
 
 /// A generated part of a Markdown file: its name, and the text between its marks.
@@ -144,11 +144,15 @@ pub fn quick_runs(results: &Path) -> Result<Vec<Provenance>> {
         .collect()
 }
 
-/// Durations of all stages of runs, and the machine of the first; nothing without a run.
+/// Durations of all stages of runs, and the machine of the first; nothing without a run, or where the recordings were
+/// not simulated in one.
 fn taken(runs: &[&Provenance]) -> String {
     let Some(first) = runs.first() else {
         return String::new();
     };
+    if !runs.iter().all(|run| run.seconds.contains_key(SIMULATIONS)) {
+        return "not measured in one run".to_string();
+    }
     let seconds = runs.iter().flat_map(|run| run.seconds.values()).sum();
     format!(
         "{} ({}, {} threads)",

@@ -21,7 +21,7 @@ mod study;
 mod window_size;
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::{Context, Result};
 
@@ -31,16 +31,13 @@ use crate::figures;
 use crate::recordings::spec::RecordingSpec;
 use crate::run::interrupt;
 use crate::run::progress::duration;
-use crate::run::provenance::peak_memory_mib;
+use crate::run::provenance::{SIMULATIONS, peak_memory_mib};
 use crate::schedule::Job;
 use crate::summary::Summary;
 
 pub use self::file::{PaperSeeds, Papers, PapersFile, json_schema};
 pub use self::session::PaperSession;
 pub use self::study::{About, PaperStudy, STUDIES, SiteStudy};
-
-/// Time that looking up recordings in the cache takes at most.
-const CACHED: Duration = Duration::from_secs(2);
 
 /// Runs studies: first the simulations that are [`missing()`], then one after the other; the summary is written after
 /// each.
@@ -54,10 +51,12 @@ pub fn run(session: &PaperSession, studies: &[&PaperStudy], missing: &[Job]) -> 
     let specs = specs(session, studies);
     session.simulate(missing)?;
     note_simulations(session, &specs, &mut summary)?;
-    // A run that finds all recordings in the cache keeps the duration of their simulation.
-    let known = summary.provenance.seconds.contains_key("simulations");
-    if !known || started.elapsed() > CACHED {
-        stage(&mut summary, "simulations", started);
+    // Only who simulates all of it knows how long that takes; a run that finds all of it in the cache keeps what is
+    // known, and one that finds a part knows nothing.
+    if missing.len() == needed(session, studies)? {
+        stage(&mut summary, SIMULATIONS, started);
+    } else if !missing.is_empty() {
+        summary.provenance.seconds.remove(SIMULATIONS);
     }
     for study in studies {
         interrupt::check()?;
@@ -117,6 +116,17 @@ fn remove_data(results: &Path) -> Result<()> {
 fn specs(session: &PaperSession, studies: &[&PaperStudy]) -> Vec<RecordingSpec> {
     let specs = studies.iter().flat_map(|study| study.specs(session));
     specs.collect()
+}
+
+/// Number of the recordings that studies need.
+fn needed(session: &PaperSession, studies: &[&PaperStudy]) -> Result<usize> {
+    let mut needed = session.recordings.jobs(&specs(session, studies))?.len();
+    for study in studies {
+        if let PaperStudy::Site(study) = study {
+            needed += site::needed(session, study)?;
+        }
+    }
+    Ok(needed)
 }
 
 /// The simulations that studies still need: one queue for scene and site, so that no worker waits for another's last

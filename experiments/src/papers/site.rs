@@ -17,6 +17,12 @@ pub(super) fn missing(session: &PaperSession, study: &SiteStudy) -> Result<Vec<J
     site.recordings.missing(&snr::specs(&site))
 }
 
+/// Number of the recordings that the site needs.
+pub(super) fn needed(session: &PaperSession, study: &SiteStudy) -> Result<usize> {
+    let site = session.site(study)?;
+    Ok(site.recordings.jobs(&snr::specs(&site))?.len())
+}
+
 /// Runs the study: the other studies do the work, in the site's own session.
 pub(super) fn run(session: &PaperSession, study: &SiteStudy, summary: &mut Summary) -> Result<()> {
     let site = session.site(study)?;

@@ -5,6 +5,9 @@ use std::process::Command;
 
 use serde::{Deserialize, Serialize};
 
+/// Name of the stage in which recordings are simulated.
+pub const SIMULATIONS: &str = "simulations";
+
 /// Origin of a set of results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -16,7 +16,7 @@ use crate::data::frames::FRAMES;
 use crate::data::layout::Layout;
 use crate::data::table::{Table, cell};
 use crate::metrics::quantile_of_sorted;
-use crate::run::provenance::{Provenance, peak_memory_mib};
+use crate::run::provenance::{Provenance, SIMULATIONS, peak_memory_mib};
 use crate::session::{Session, Workspace};
 use crate::trials::{self, Approach, TrialResult};
 
@@ -41,7 +41,7 @@ pub fn run(
     };
     let started = Instant::now();
     tasks::simulate(plan, workspace)?;
-    stage("simulations", started);
+    stage(SIMULATIONS, started);
     let started = Instant::now();
     tasks::run_trials(study, plan, workspace)?;
     stage("trials", started);

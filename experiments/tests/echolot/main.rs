@@ -16,6 +16,7 @@ mod inputs;
 mod interruption;
 mod landmarks;
 mod live;
+mod memory;
 mod report;
 mod robot;
 mod room;

@@ -8,9 +8,9 @@ use super::fit::{COSINE_GATE, Fit, GATES_M, fit};
 use super::hough::Votes;
 use super::landmark::Shape;
 use super::map::{Landmark, LandmarkMap, Visibility};
-use super::peaks::Peak;
-use super::sighting::{Sighting, sightings};
-use crate::echo::EchoSequence;
+use super::peaks::{Peak, PeakFinder};
+use super::sighting::{Sighting, sighting};
+use crate::echo::{EchoBlock, EchoSequence};
 use crate::error::Error;
 use crate::parameters::Parameters;
 use crate::pose::Pose;
@@ -23,51 +23,96 @@ const LEAST_BLOCKS: usize = 10;
 const MOST_LANDMARKS: usize = 32;
 /// Candidates in a row that turn out to be none, after which learning stops.
 const MOST_REFUSED: usize = 8;
+
 /// Learns the landmarks of a place from drives with known poses.
 ///
 /// # Errors
-/// [`Error::Invalid`] when there is no drive, drives were measured with other parameters, or no landmark was found.
+/// As [`Learner::begin`] and [`Learner::finish`].
 pub fn learn(drives: &[(&EchoSequence, &[Pose])]) -> Result<LandmarkMap, Error> {
-    let refuse =
-        |problem: &str, remedy: &str| Err(Error::invalid("map", "drives", problem, remedy));
-    let Some((first, _)) = drives.first() else {
-        return refuse("there is none", "give a recording with true poses");
-    };
-    let alike = |other: &Parameters| {
-        other.signal == first.parameters.signal && other.measurement == first.parameters.measurement
-    };
-    if !drives.iter().all(|(echoes, _)| alike(&echoes.parameters)) {
-        return refuse(
-            "they were measured with different parameters",
-            "measure all of them alike",
-        );
+    let mut learner = Learner::default();
+    for (echoes, poses) in drives {
+        learner.begin(&echoes.parameters)?;
+        for (block, pose) in echoes.blocks.iter().zip(*poses) {
+            learner.add(block, pose);
+        }
     }
-    let seen: Vec<Sighting> = drives
-        .iter()
-        .flat_map(|(echoes, poses)| sightings(echoes, poses))
-        .collect();
-    let landmarks = landmarks(&seen, 0.0);
-    if landmarks.is_empty() {
-        return refuse(
-            "no landmark was found in them",
-            "record longer, drive along curves, and check that the echoes are in the recording",
-        );
+    learner.finish()
+}
+
+/// Landmarks in the making, block by block; of a block the peaks are kept.
+#[derive(Default)]
+pub struct Learner {
+    drive: Option<(Parameters, PeakFinder)>,
+    seen: Vec<Sighting>,
+}
+
+impl Learner {
+    /// The blocks that follow are of another drive, measured with these parameters.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the drives before were measured with others.
+    pub fn begin(&mut self, parameters: &Parameters) -> Result<(), Error> {
+        if let Some((first, _)) = &self.drive
+            && (first.signal != parameters.signal || first.measurement != parameters.measurement)
+        {
+            return refuse(
+                "they were measured with different parameters",
+                "measure all of them alike",
+            );
+        }
+        let first = self.drive.take();
+        let own = first.map_or_else(|| parameters.clone(), |(first, _)| first);
+        self.drive = Some((own, PeakFinder::new(parameters)));
+        Ok(())
     }
-    let axis = |of: fn(&Pose) -> f64| {
-        let values = seen.iter().map(|sighting| of(&sighting.pose));
-        [
-            values.clone().fold(f64::INFINITY, f64::min),
-            values.fold(f64::NEG_INFINITY, f64::max),
-        ]
-    };
-    let all: usize = seen.iter().map(|sighting| sighting.peaks.len()).sum();
-    let explained: usize = landmarks.iter().map(|landmark| landmark.blocks).sum();
-    Ok(LandmarkMap {
-        parameters: first.parameters.clone(),
-        landmarks,
-        area_m: [axis(|pose| pose.x_m), axis(|pose| pose.y_m)],
-        explained: explained as f64 / all.max(1) as f64,
-    })
+
+    /// Adds a block of the drive that began last, at its known pose. Blocks before the first drive, and of a robot that
+    /// stands, say nothing.
+    pub fn add(&mut self, block: &EchoBlock, pose: &Pose) {
+        let Some((parameters, finder)) = &mut self.drive else {
+            return;
+        };
+        if !block.stationary {
+            self.seen.push(sighting(block, *pose, parameters, finder));
+        }
+    }
+
+    /// The map.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when there was no drive, or no landmark was found.
+    pub fn finish(self) -> Result<LandmarkMap, Error> {
+        let Some((parameters, _)) = self.drive else {
+            return refuse("there is none", "give a recording with true poses");
+        };
+        let seen = self.seen;
+        let landmarks = landmarks(&seen, 0.0);
+        if landmarks.is_empty() {
+            return refuse(
+                "no landmark was found in them",
+                "record longer, drive along curves, and check that the echoes are in the recording",
+            );
+        }
+        let axis = |of: fn(&Pose) -> f64| {
+            let values = seen.iter().map(|sighting| of(&sighting.pose));
+            [
+                values.clone().fold(f64::INFINITY, f64::min),
+                values.fold(f64::NEG_INFINITY, f64::max),
+            ]
+        };
+        let all: usize = seen.iter().map(|sighting| sighting.peaks.len()).sum();
+        let explained: usize = landmarks.iter().map(|landmark| landmark.blocks).sum();
+        Ok(LandmarkMap {
+            parameters,
+            area_m: [axis(|pose| pose.x_m), axis(|pose| pose.y_m)],
+            explained: explained as f64 / all.max(1) as f64,
+            landmarks,
+        })
+    }
+}
+
+fn refuse<T>(problem: &str, remedy: &str) -> Result<T, Error> {
+    Err(Error::invalid("map", "drives", problem, remedy))
 }
 
 /// The landmarks seen in all blocks, the ones seen most often first. The poses of the sightings may be off by some

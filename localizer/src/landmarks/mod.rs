@@ -23,7 +23,7 @@ pub(crate) mod track;
 pub use filter::{LandmarkFilter, Start, Status};
 pub use hypothesis::Noise;
 pub use landmark::Shape;
-pub use learn::learn;
+pub use learn::{Learner, learn};
 pub use localizer::{Estimate, LandmarkLocalizer, LandmarkTracker, localize};
 pub use map::{Landmark, LandmarkMap, Visibility};
 pub use sighting::Sighting;

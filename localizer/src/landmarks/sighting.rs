@@ -2,7 +2,7 @@
 
 use super::landmark::Motion;
 use super::peaks::{Peak, PeakFinder};
-use crate::echo::EchoSequence;
+use crate::echo::EchoBlock;
 use crate::parameters::Parameters;
 use crate::pose::Pose;
 
@@ -30,24 +30,19 @@ pub fn cosine_sigma(parameters: &Parameters, v_mps: f64) -> f64 {
     (COSINE_SIGMA_WIDTHS * width).clamp(0.02, 1.0)
 }
 
-/// The peaks of every block in which the robot moved, at known poses (one a block).
-pub fn sightings(echoes: &EchoSequence, poses: &[Pose]) -> Vec<Sighting> {
-    let mut finder = PeakFinder::new(&echoes.parameters);
-    let moving = echoes
-        .blocks
-        .iter()
-        .zip(poses)
-        .filter(|(block, _)| !block.stationary);
-    moving
-        .map(|(block, &pose)| {
-            let mut peaks = Vec::new();
-            finder.find(block.intensity.view(), block.odometry.v_mps, &mut peaks);
-            Sighting {
-                pose,
-                motion: Motion::new(block.odometry, &echoes.parameters.signal),
-                cosine_sigma: cosine_sigma(&echoes.parameters, block.odometry.v_mps),
-                peaks,
-            }
-        })
-        .collect()
+/// The peaks of a block, at a known pose; `finder` is that of its drive.
+pub fn sighting(
+    block: &EchoBlock,
+    pose: Pose,
+    parameters: &Parameters,
+    finder: &mut PeakFinder,
+) -> Sighting {
+    let mut peaks = Vec::new();
+    finder.find(block.intensity.view(), block.odometry.v_mps, &mut peaks);
+    Sighting {
+        pose,
+        motion: Motion::new(block.odometry, &parameters.signal),
+        cosine_sigma: cosine_sigma(parameters, block.odometry.v_mps),
+        peaks,
+    }
 }

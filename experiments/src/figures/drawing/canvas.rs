@@ -25,6 +25,9 @@ pub const LABEL: f64 = 31.0;
 /// Size of titles in pixels.
 pub const TITLE: f64 = 37.0;
 
+/// Least distance of a title from the picture's edges in pixels.
+const MARGIN: f64 = 20.0;
+
 /// Place of a text relative to its point: -1 left of / above it, 0 centred, 1 right of / below it.
 pub type Anchor = (i8, i8);
 
@@ -274,7 +277,14 @@ impl Canvas {
     /// # Errors
     /// When the backend refuses.
     pub fn title(&self, text: &str) -> Result<()> {
-        self.text(text, [0.5 * self.width, 20.0], (0, 1), TITLE, true, false)
+        let size = self.size_within(text, TITLE, true, self.width - 2.0 * MARGIN);
+        self.text(text, [0.5 * self.width, 20.0], (0, 1), size, true, false)
+    }
+
+    /// The size, at most `size`, in which a text is at most so wide.
+    fn size_within(&self, text: &str, size: f64, bold: bool, width: f64) -> f64 {
+        let [own, _] = self.text_size(text, size, bold);
+        size * (width / own.max(1.0)).min(1.0)
     }
 
     /// Writes `text` at a point; `upward` turns it to read from bottom to top.

@@ -24,9 +24,7 @@ pub(crate) fn draw(data: &Path, picture: &Path) -> Result<()> {
     let table = Table::read(&data.join("multipath_scene.csv"))?;
     canvas::draw(picture, 1660, 1100, |sheet| {
         let errors = mean_errors_of(&table, &["planar", "doppler", "odometry"])?;
-        sheet.title(&format!(
-            "Mean error of the first trial: {errors}; (b) was given the walls"
-        ))?;
+        sheet.title(&format!("Mean error of the first trial: {errors}"))?;
         let axes = layout::axes(&layout, sheet, [120.0, 130.0, 980.0, 990.0]);
         axes.grid()?;
         layout::walls(&layout, &axes, Stroke::solid(colour::GREY, 6.0))?;

@@ -20,6 +20,13 @@ pub(super) type Device = crate::live::audio::Audio;
 #[cfg(not(feature = "audio"))]
 pub(super) enum Device {}
 
+#[cfg(not(feature = "audio"))]
+impl Device {
+    pub(super) fn lost(&self) -> u64 {
+        match *self {}
+    }
+}
+
 /// What a run reads and computes with.
 pub(super) struct Input {
     pub(super) engine: Engine,

@@ -223,14 +223,11 @@ impl Arguments {
             "{} periods, {} of them without the code; the recorder runs {:+.2} ppm",
             report.periods, report.unheard, report.drift_ppm
         );
-        #[cfg(feature = "audio")]
         if let Some(lost) = device.map(|device| device.lost()).filter(|lost| *lost > 0) {
             eprintln!(
                 "warning: {lost} samples of the device were lost: poses came too slowly to take them"
             );
         }
-        #[cfg(not(feature = "audio"))]
-        drop(device);
         Ok(())
     }
 

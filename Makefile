@@ -8,12 +8,13 @@ ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
 
-sim-experiments: ## simulate and reproduce the paper's studies in the paper's size (results/paper)
-	$(ECHOLOT) run studies/papers/paper.json
+LANDMARKS = $(patsubst %,studies/papers/landmarks_%.json,periods noise site)
 
-sim-landmarks: ## landmarks and SLAM on the field in the same size (results/landmarks_*); shares its recordings
-	$(ECHOLOT) run studies/papers/landmarks_periods.json studies/papers/landmarks_noise.json \
-		studies/papers/landmarks_site.json
+sim-experiments: ## simulate and reproduce the papers' studies in their size, landmarks too (results/paper, landmarks_*)
+	$(ECHOLOT) run studies/papers/paper.json $(LANDMARKS)
+
+sim-landmarks: ## landmarks and SLAM alone (results/landmarks_*), on the same recordings
+	$(ECHOLOT) run $(LANDMARKS)
 
 sim-quick: ## the same chain in a small scene, and all methods by image sources (results/quick, results/methods)
 	$(ECHOLOT) run studies/quick

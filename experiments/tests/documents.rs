@@ -192,7 +192,7 @@ fn claims_are_current() {
     let results = root().join("results");
     let summary = |name: &str| Summary::read(&results.join(name).join("summary.json")).unwrap();
     let paper = summary("paper");
-    let quick = readme::quick_runs(&results).unwrap();
+    let [quick, large] = readme::runs(&results, &paper.provenance).unwrap();
     let layouts = readme::random_layouts(&results).unwrap();
     let targets = Targets::load().unwrap();
     let judged = judge(&targets, &paper).unwrap();
@@ -200,7 +200,7 @@ fn claims_are_current() {
     let text = read(&file);
     let blocks = [
         readme::claims(&targets, &judged, layouts.as_ref()),
-        readme::commands(&quick.iter().collect::<Vec<_>>(), &paper.provenance),
+        readme::commands(&quick, &large),
     ];
     assert!(
         readme::fill(&text, &file, &blocks).unwrap() == text,

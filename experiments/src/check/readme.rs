@@ -93,7 +93,7 @@ pub fn random_layouts(results: &Path) -> Result<Option<StudySummary>> {
 
 /// The commands for newcomers, with the durations of the committed results: those of the quick studies, and of the
 /// papers' size.
-pub fn commands(quick: &[&Provenance], paper: &Provenance) -> Block {
+pub fn commands(quick: &[Provenance], paper: &[Provenance]) -> Block {
     let mut text = String::from("| command | time | what comes out |\n|---|---|---|\n");
     for (command, time, what) in [
         (
@@ -104,8 +104,9 @@ pub fn commands(quick: &[&Provenance], paper: &Provenance) -> Block {
         ),
         (
             "make sim-experiments",
-            taken(&[paper]),
-            "the papers' studies in their size in `results/paper`; goes on where it was interrupted",
+            taken(paper),
+            "the papers' studies in their size in `results/paper`, landmarks and SLAM beside them in \
+            `results/landmarks_*`; goes on where it was interrupted",
         ),
         (
             "make validate",
@@ -128,35 +129,56 @@ pub fn commands(quick: &[&Provenance], paper: &Provenance) -> Block {
     }
 }
 
-/// Provenance of the quick studies whose results are in a folder, in the order in which they run.
+/// Provenance of the runs of `make sim-quick` and of `make sim-experiments` whose results are in a folder; `paper` is
+/// that of the papers' studies.
 ///
 /// # Errors
 /// When a summary is damaged.
-pub fn quick_runs(results: &Path) -> Result<Vec<Provenance>> {
+pub fn runs(results: &Path, paper: &Provenance) -> Result<[Vec<Provenance>; 2]> {
     #[derive(serde::Deserialize)]
     struct Run {
         provenance: Provenance,
     }
-    let files = ["methods", "quick"].map(|name| results.join(name).join("summary.json"));
-    let there = files.iter().filter(|file| file.exists());
-    there
-        .map(|file| json::read::<Run>(file).map(|run| run.provenance))
-        .collect()
+    let of = |names: &[&str]| -> Result<Vec<Provenance>> {
+        let files = names
+            .iter()
+            .map(|name| results.join(name).join("summary.json"));
+        files
+            .filter(|file| file.exists())
+            .map(|file| json::read::<Run>(&file).map(|run| run.provenance))
+            .collect()
+    };
+    let mut large = vec![paper.clone()];
+    large.extend(of(&[
+        "landmarks_periods",
+        "landmarks_noise",
+        "landmarks_site",
+    ])?);
+    Ok([of(&["methods", "quick"])?, large])
 }
 
-/// Durations of all stages of runs, and the machine of the first; nothing without a run, or where the recordings were
-/// not simulated in one.
-fn taken(runs: &[&Provenance]) -> String {
+/// Durations of all stages of runs, and the machine of the first; nothing without a run. Where a run did not simulate
+/// all its recordings itself, they count as if one was simulated after the other, which is the most it can take.
+fn taken(runs: &[Provenance]) -> String {
     let Some(first) = runs.first() else {
         return String::new();
     };
-    if !runs.iter().all(|run| run.seconds.contains_key(SIMULATIONS)) {
-        return "not measured in one run".to_string();
-    }
-    let seconds = runs.iter().flat_map(|run| run.seconds.values()).sum();
+    let in_one = |run: &Provenance| run.seconds.contains_key(SIMULATIONS);
+    let seconds = runs.iter().map(|run| {
+        let stages: f64 = run.seconds.values().sum();
+        match in_one(run) {
+            true => stages,
+            false => stages + run.simulation_seconds.values().sum::<f64>(),
+        }
+    });
     format!(
-        "{} ({}, {} threads)",
-        duration(seconds),
+        "{}{} ({}, {} threads)",
+        if runs.iter().all(in_one) {
+            ""
+        } else {
+            "at most "
+        },
+        duration(seconds.sum()),
         first.cpu,
         first.threads
     )
@@ -229,7 +251,7 @@ mod tests {
         let blocks = || {
             [
                 claims(&targets, &judged, None),
-                commands(&[], &summary.provenance),
+                commands(&[], std::slice::from_ref(&summary.provenance)),
             ]
         };
         let folder = tempfile::tempdir().unwrap();
@@ -257,5 +279,17 @@ mod tests {
         let lines = wrapped(&text, "  ");
         assert!(lines.lines().all(|line| line.chars().count() <= 118));
         assert_eq!(lines.split_whitespace().count(), 60);
+    }
+
+    #[test]
+    fn a_run_in_parts_takes_at_most_the_sum_of_its_simulations() {
+        let mut run = Provenance::here();
+        run.seconds = [("periods".to_string(), 30.0)].into();
+        run.simulation_seconds = [("a".to_string(), 600.0), ("b".to_string(), 300.0)].into();
+        assert!(taken(std::slice::from_ref(&run)).starts_with("at most 15 min 30 s ("));
+        let mut whole = run.clone();
+        whole.seconds.insert(SIMULATIONS.to_string(), 500.0);
+        assert!(taken(std::slice::from_ref(&whole)).starts_with("8 min 50 s ("));
+        assert!(taken(&[whole, run]).starts_with("at most 24 min 20 s ("));
     }
 }

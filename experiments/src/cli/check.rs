@@ -154,11 +154,11 @@ impl Arguments {
         let folder = self.results.join(&papers.file.name);
         report::write(&folder, &targets, &judged, &summary)?;
         if let Some(file) = &self.into {
-            let quick = readme::quick_runs(&self.results)?;
+            let [quick, large] = readme::runs(&self.results, &summary.provenance)?;
             let layouts = readme::random_layouts(&self.results)?;
             let blocks = [
                 readme::claims(&targets, &judged, layouts.as_ref()),
-                readme::commands(&quick.iter().collect::<Vec<_>>(), &summary.provenance),
+                readme::commands(&quick, &large),
             ];
             readme::insert(file, &blocks)?;
         }

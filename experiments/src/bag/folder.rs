@@ -39,6 +39,9 @@ const LONGEST: u64 = 1 << 30;
 /// Longest drive, in seconds.
 const LONGEST_S: f64 = 1e5;
 
+/// Farthest place from the origin, in metres.
+const FARTHEST_M: f64 = 1e5;
+
 /// Share of the distance that a robot on wheels may go sideways before it is told.
 const SIDEWAYS: f64 = 0.2;
 
@@ -173,6 +176,12 @@ pub fn parse(text: &str, origin: &str, unit_s: f64) -> Result<Table> {
             _ => continue,
         };
         let time_s = unit_s * numbers[0];
+        if let Some(place_m) = numbers[1..3].iter().find(|place| place.abs() > FARTHEST_M) {
+            bail!(
+                "{origin}: row {}: {place_m:e} m is no place of a robot; give metres",
+                index + 2
+            );
+        }
         if t_s.last().is_some_and(|last| *last >= time_s) {
             bail!(
                 "{origin}: row {}: times do not increase; sort it",
@@ -337,6 +346,7 @@ mod tests {
             ("t,x,y\n1,2,3\n", "headings"),
             ("t,x,y,yaw\n1,2,3,north\n", "row 2: yaw: `north`"),
             ("t,x,y,yaw\n1,2,3,0\n1,2,3,0\n", "row 3: times"),
+            ("t,x,y,yaw\n1,2,3,0\n2,2,-3e7,0\n", "row 3: -3e7 m"),
             ("t,x,y,yaw\n1,2,3,0\n", "1 whole poses"),
             ("t,x,y,yaw\n1e9,2,3,0\n2e9,2,3,0\n", "--time-unit"),
         ] {

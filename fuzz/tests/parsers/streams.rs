@@ -125,16 +125,24 @@ fn table_of_poses() {
     let seeds = [
         "t,x,y,yaw_deg,note\n0,1,2,30,\"a, b\"\n1.5,1.25,2,31,\n2,1.5,2,32,\n",
         "Time;X;Y;qx;qy;qz;qw\n0;1;2;0;0;0.6;0.8\n0.1;1;2;0;0;0.6;0.8\n",
+        "timestamp,vx,x,y,yaw_deg,yaw_rate_deg\n0,0.2,1,2,30,-5\n1,,,,,\n2,0.25,1.25,2,31,4\n",
     ];
     let seeds = seeds.map(|seed| seed.as_bytes().to_vec()).to_vec();
     fuzz("table of poses", seeds, |bytes| {
         let text = String::from_utf8_lossy(bytes);
-        if let Some(path) = line(folder::parse(&text, "poses.csv", 1.0)) {
+        if let Some(table) = line(folder::parse(&text, "poses.csv", 1.0)) {
+            let path = &table.path;
             assert!(path.t_s.is_sorted_by(|a, b| a < b));
             let length_s = path.t_s[path.t_s.len() - 1] - path.t_s[0];
             if length_s < 1e3 {
-                line(odometry_csv::parse(&folder::odometry(&path), "odometry"));
+                line(odometry_csv::parse(&table.odometry(), "odometry"));
             }
+            let warnings = table.warnings();
+            assert!(
+                warnings
+                    .iter()
+                    .all(|own| own.lines().count() == 1 && own.len() < 500)
+            );
         }
     });
 }

@@ -262,6 +262,58 @@ mod tests {
         );
     }
 
+    /// Largest and mean error in metres over drives in which `change` was made, and the share of blocks that were sure;
+    /// the map is learnt from such a drive too.
+    fn changed(change: impl Fn(&mut Drive)) -> (f64, f64, f64, usize) {
+        let mut own = Drive::new(77, simulated::shapes());
+        change(&mut own);
+        let seen: Vec<_> = own.take(390).map(|block| block.sighting).collect();
+        let map = LandmarkMap {
+            landmarks: learn::landmarks(&seen, 0.0),
+            ..map()
+        };
+        let (mut worst_m, mut sum_m, mut sure, mut count) = (0.0_f64, 0.0, 0.0, 0.0);
+        for seed in 1..=20 {
+            let mut drive = Drive::new(seed, simulated::shapes());
+            change(&mut drive);
+            drive.wheel_errors = [0.01, 0.01];
+            let start = Start::Known {
+                pose: drive.pose(),
+                sigma_m: 0.001,
+                sigma_rad: 0.002,
+            };
+            let mut filter = LandmarkFilter::new(&start, Noise::default());
+            for block in drive.by_ref().take(300) {
+                step(&mut filter, &block, &map);
+                let best = filter.best().expect("a known start");
+                let off_m = best.pose().distance_m(&block.truth);
+                worst_m = worst_m.max(off_m);
+                sum_m += off_m;
+                sure += f64::from(u8::from(filter.status() == Status::Sure));
+                count += 1.0;
+            }
+        }
+        (worst_m, sum_m / count, sure / count, map.landmarks.len())
+    }
+
+    #[test]
+    fn a_person_who_walks_around_and_a_round_pillar_do_not_take_the_pose_along() {
+        let alone = changed(|_| {});
+        assert_eq!(alone.3, simulated::shapes().len());
+        let person = changed(|drive| drive.person = true);
+        // Whoever walks is no landmark.
+        assert_eq!(person.3, simulated::shapes().len());
+        let pillar = changed(|drive| drive.pillar = Some(([-1.5, 1.0], 0.2)));
+        for (what, found) in [("a person", person), ("a pillar", pillar)] {
+            let (worst_m, mean_m, sure, _) = found;
+            assert!(
+                worst_m < 0.01 && mean_m < 1.2 * alone.1,
+                "{what}: {found:?}, alone {alone:?}"
+            );
+            assert!(sure > alone.2 - 0.1, "{what}: {found:?}, alone {alone:?}");
+        }
+    }
+
     #[test]
     fn an_unknown_start_is_found_and_a_kidnapped_robot_again() {
         let map = map();

@@ -39,6 +39,10 @@ pub(crate) struct Drive {
     pub(crate) parameters: Parameters,
     /// What turn rate the wheels report too much, in rad/s, and the share of speed.
     pub(crate) wheel_errors: [f64; 2],
+    /// Whether a person walks around there, whose echo moves by itself and who hides what is behind.
+    pub(crate) person: bool,
+    /// Middle and radius of a round pillar, m: it mirrors at its near side.
+    pub(crate) pillar: Option<([f64; 2], f64)>,
     pose: Pose,
     shapes: Vec<Shape>,
     random: ChaCha8Rng,
@@ -74,6 +78,8 @@ impl Drive {
         Self {
             parameters,
             wheel_errors: [0.0; 2],
+            person: false,
+            pillar: None,
             pose: Pose {
                 x_m: random.random_range(-0.5..0.5),
                 y_m: random.random_range(-0.5..0.5),
@@ -93,6 +99,48 @@ impl Drive {
 
     pub(crate) fn pose(&self) -> Pose {
         self.pose
+    }
+
+    /// Place (m) and velocity (m/s) of the person: 1.4 m from where the drive began on average, near and far, at a
+    /// walking pace.
+    fn person_at(&self) -> [[f64; 2]; 2] {
+        let place = |t_s: f64| {
+            let (angle, radius_m) = (0.45 * t_s, 1.4 + 0.5 * (0.31 * t_s).sin());
+            [radius_m * angle.cos(), radius_m * angle.sin()]
+        };
+        let (here, soon) = (place(self.time), place(self.time + 1e-3));
+        [here, [0, 1].map(|k| (soon[k] - here[k]) / 1e-3)]
+    }
+
+    /// Whether the person stands in the way to a landmark.
+    fn is_hidden(&self, shape: &Shape) -> bool {
+        let [place, _] = self.person_at();
+        let pose = &self.pose;
+        let towards = match *shape {
+            Shape::Wall { normal_rad, .. } => [normal_rad.cos(), normal_rad.sin()],
+            Shape::Point { place_m: [x, y] } => {
+                let (dx, dy) = (x - pose.x_m, y - pose.y_m);
+                let range_m = dx.hypot(dy).max(1e-9);
+                [dx / range_m, dy / range_m]
+            }
+        };
+        let [dx, dy] = [place[0] - pose.x_m, place[1] - pose.y_m];
+        let (along, across) = (
+            dx * towards[0] + dy * towards[1],
+            dy * towards[0] - dx * towards[1],
+        );
+        along > 0.0 && across.abs() < 0.25
+    }
+
+    /// Range and cosine of the person's echo: of a walking one Doppler says another cosine than of what stands.
+    fn echo_of_person(&self, v_mps: f64) -> (f64, f64) {
+        let [place, velocity] = self.person_at();
+        let [dx, dy] = [place[0] - self.pose.x_m, place[1] - self.pose.y_m];
+        let range_m = dx.hypot(dy).max(1e-9);
+        let (sine, cosine) = self.pose.heading_rad.sin_cos();
+        let own = v_mps * (dx * cosine + dy * sine) / range_m;
+        let approach = own - (velocity[0] * dx + velocity[1] * dy) / range_m;
+        (range_m, approach / v_mps)
     }
 }
 
@@ -122,12 +170,35 @@ impl Iterator for Drive {
             if echo.range_m < 0.25 || self.random.random_bool(0.1) {
                 continue;
             }
+            if self.person && self.is_hidden(shape) {
+                continue;
+            }
             let mut normal = |sigma: f64| sigma * self.random.sample::<f64, _>(StandardNormal);
             peaks.push(Peak {
                 range_m: echo.range_m + normal(RANGE_SIGMA_M),
                 cosine: (echo.cosine + normal(sigma)).clamp(-1.0, 1.0),
                 amplitude: 0.1,
             });
+        }
+        let mut others = Vec::new();
+        if self.person {
+            others.push(self.echo_of_person(true_motion.v_mps));
+        }
+        if let Some((place_m, radius_m)) = self.pillar {
+            let echo = Shape::Point { place_m }.echo(&self.pose, &motion);
+            others.push((echo.range_m - radius_m, echo.cosine));
+        }
+        for (range_m, cosine) in others {
+            let mut normal = |sigma: f64| sigma * self.random.sample::<f64, _>(StandardNormal);
+            let (range_m, cosine) = (range_m + normal(RANGE_SIGMA_M), cosine + normal(sigma));
+            // The bank has no directions beyond straight ahead and back.
+            if range_m > 0.25 && cosine.abs() <= 1.0 {
+                peaks.push(Peak {
+                    range_m,
+                    cosine,
+                    amplitude: 0.1,
+                });
+            }
         }
         for _ in 0..5 {
             peaks.push(Peak {

@@ -63,13 +63,18 @@ impl Tree {
 /// Mean of values by what was drawn, every branch of a level with the same weight, and its 95 % percentile-bootstrap
 /// interval. `NaN` without values; equal values give equal intervals.
 pub fn mean_and_interval(values: &[(Draw, f64)]) -> (f64, [f64; 2]) {
+    resampled(values, RESAMPLES)
+}
+
+/// As [`mean_and_interval`], by so many resamples.
+fn resampled(values: &[(Draw, f64)], resamples: usize) -> (f64, [f64; 2]) {
     let tree = Tree::of(values, 0);
     let mean = tree.mean();
     if values.len() < 2 {
         return (mean, [mean; 2]);
     }
     let mut random = ChaCha8Rng::seed_from_u64(values.len() as u64);
-    let means: Vec<f64> = (0..RESAMPLES)
+    let means: Vec<f64> = (0..resamples)
         .map(|_| tree.resampled(&mut random))
         .collect();
     (mean, [quantile(&means, 0.025), quantile(&means, 0.975)])
@@ -121,11 +126,13 @@ mod tests {
                     values.push(([layout, 0, 0, filter], middle + 0.1 * normal()));
                 }
             }
-            let nested = mean_and_interval(&values).1;
-            let flat: Vec<f64> = values.iter().map(|(_, value)| *value).collect();
-            for (covered, [low, high]) in
-                covered.iter_mut().zip([nested, bootstrap_interval(&flat)])
-            {
+            // As if all were drawn at one level.
+            let flat: Vec<(Draw, f64)> = (0..)
+                .zip(&values)
+                .map(|(k, (_, value))| ([0, 0, 0, k], *value))
+                .collect();
+            let intervals = [&values, &flat].map(|values| resampled(values, 1000).1);
+            for (covered, [low, high]) in covered.iter_mut().zip(intervals) {
                 *covered += usize::from((low..=high).contains(&0.0));
             }
         }

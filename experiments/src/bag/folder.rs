@@ -91,9 +91,9 @@ fn collect(folder: &Path, end: &str, depth: u32, found: &mut Vec<std::path::Path
     }
 }
 
-/// Reads a table of poses: a header, and rows with time, x, y and a heading or quaternion, and speeds where it has them;
-/// `unit_s` is the unit of times. Rows that leave one of them empty, as those of other sensors in one table, are left
-/// out.
+/// Reads a table of poses: a header, and rows with time, x, y and a heading or quaternion, and speeds where it has
+/// them; `unit_s` is the unit of times. Rows that leave one of them empty, as those of other sensors in one table, are
+/// left out.
 ///
 /// # Errors
 /// When the file cannot be read, a column is missing, or a number is none.

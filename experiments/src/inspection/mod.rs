@@ -250,8 +250,9 @@ impl Inspection {
         let wanders = report.gaps.iter().any(|gap| gap.samples < 0.0);
         let remedy = (report.unheard > 0).then_some(match wanders {
             true => {
-                "poses there follow the wheels alone; samples that come back are no loss: the period is found by echoes, \
-                as the direct wave is weaker; turn loudspeaker and microphone towards each other, or place them closer"
+                "poses there follow the wheels alone; samples that come back are no loss: the period is found by \
+                echoes, as the direct wave is weaker; turn loudspeaker and microphone towards each other, or place \
+                them closer"
             }
             false => "poses there follow the wheels alone; use larger buffers when recording",
         });

@@ -8,7 +8,7 @@ use ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyWeakrefMethods, PyWeakrefReference};
 
 use crate::arrays::{contiguous, shape_error, slice};
 use crate::error::of_library;
@@ -26,24 +26,27 @@ const LOOK: usize = 256;
 pub(crate) struct Field {
     field: Mutex<SteppedField>,
     grid: Grid,
-    /// What views of the pressure show; made when the first is asked for.
-    shown: PyOnceLock<Py<PyArray2<f32>>>,
+    /// The array that views of the pressure are of, which lives as long as one of them.
+    shown: Mutex<Option<Py<PyWeakrefReference>>>,
 }
 
 impl Field {
-    /// Brings what views show up to date, where there are any.
-    fn show(&self, py: Python<'_>) -> PyResult<()> {
-        // A view holds its base: without one the array is held here alone.
-        match self.shown.get(py) {
-            Some(shown) if shown.get_refcnt(py) > 1 => self.refresh(py, shown),
-            _ => Ok(()),
+    /// The array that views are of; none where nobody has a view.
+    fn shown<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+        let shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*shown {
+            Some(shown) => Ok(shown.bind(py).upgrade_as::<PyArray2<f32>>()?),
+            None => Ok(None),
         }
     }
 
-    fn refresh(&self, py: Python<'_>, shown: &Py<PyArray2<f32>>) -> PyResult<()> {
-        let pressure = py.detach(|| self.locked().pressure());
-        let mut array = shown.bind(py).try_readwrite()?;
-        array.as_slice_mut()?.copy_from_slice(&pressure);
+    /// Brings what views show up to date, where there are any.
+    fn show(&self, py: Python<'_>) -> PyResult<()> {
+        if let Some(shown) = self.shown(py)? {
+            let pressure = py.detach(|| self.locked().pressure());
+            let mut array = shown.try_readwrite()?;
+            array.as_slice_mut()?.copy_from_slice(&pressure);
+        }
         Ok(())
     }
 
@@ -127,7 +130,7 @@ impl Field {
         Ok(Self {
             grid: field.domain().grid,
             field: Mutex::new(field),
-            shown: PyOnceLock::new(),
+            shown: Mutex::new(None),
         })
     }
 
@@ -233,13 +236,19 @@ impl Field {
     /// over the cells: the engine has rows in an order that suits vectors, which no strides describe.
     #[getter]
     fn pressure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let shown = self.shown.get_or_init(py, || {
-            PyArray2::zeros(py, [self.grid.ny, self.grid.nx], false).unbind()
-        });
-        if shown.get_refcnt(py) == 1 {
-            self.refresh(py, shown)?;
-        }
-        let view = shown.bind(py).call_method0("view")?;
+        let array = match self.shown(py)? {
+            Some(array) => array,
+            None => {
+                let pressure = py.detach(|| self.locked().pressure());
+                let array = Array2::from_shape_vec((self.grid.ny, self.grid.nx), pressure)
+                    .map_err(|error| PyValueError::new_err(error.to_string()))?
+                    .into_pyarray(py);
+                let weak = PyWeakrefReference::new(&array)?.unbind();
+                *self.shown.lock().unwrap_or_else(PoisonError::into_inner) = Some(weak);
+                array
+            }
+        };
+        let view = array.call_method0("view")?;
         view.call_method1("setflags", (false,))?;
         Ok(view)
     }

@@ -2,7 +2,7 @@
 //!
 //! Domain: circles in the room of the tests for 20 s and 100 s, by image sources; the largest resident size as Linux
 //! counts it. Tolerance: 12 MiB more for the longer one, which is twice what its poses take; its echoes alone are 250
-//! MiB. How long an hour's drive holds: docs/findings/long-drives.md.
+//! MiB. An hour's drive: docs/findings/long-drives.md.
 
 use std::path::Path;
 use std::process::{Command, Stdio};

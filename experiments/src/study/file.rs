@@ -13,7 +13,7 @@ use super::claims::Claim;
 use super::scores::Measure;
 
 /// Values by dotted name: `scene.*` and `robot.*` as in their files, `localizer.*` as in parameter files,
-/// `field.engine`, `field.image_order`, `noise.snr_db`, `noise.mapping`, `robot.odometry_bias_radps`.
+/// `drive.mapping` and `drive.localization` (names of the scene's paths), `field.engine`, `field.image_order`, `noise.snr_db`, `noise.mapping`, `robot.odometry_bias_radps`.
 pub type Settings = BTreeMap<String, Value>;
 
 /// A study: what is simulated, what varies, by which methods, and what is claimed of it.
@@ -61,7 +61,7 @@ pub struct StudyFile {
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum SceneChoice {
-    /// A scene file with the drives `mapping` and `localization`.
+    /// A scene file with the drives `mapping` and `localization`, or others that `drive.*` names.
     File(PathBuf),
     /// Layouts of `echolot scene random`; they count as draws of one cell.
     Random(RandomLayouts),

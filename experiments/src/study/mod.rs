@@ -77,6 +77,21 @@ impl Study {
         Self::checked(file.clone(), PathBuf::new())
     }
 
+    /// Numbers of the cells whose paths are drawn.
+    fn drawn_cells(&self) -> Vec<usize> {
+        let figures = self.figures();
+        let cells = figures.iter().filter_map(|figure| match figure {
+            FigureChoice::Paths { cell } => self.cells.iter().position(|known| known.has(cell)),
+            _ => None,
+        });
+        cells.collect()
+    }
+
+    /// The cell of whose recordings a report shows what was heard.
+    fn shown_cell(&self) -> Option<usize> {
+        self.drawn_cells().first().copied()
+    }
+
     fn checked(file: StudyFile, folder: PathBuf) -> Result<Self> {
         check_names(&file)?;
         check_folder_name(&file.name)?;

@@ -1,6 +1,6 @@
 //! The plan of a study: its trials, the sessions that they share, and the recordings that are missing.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -47,7 +47,8 @@ pub struct Plan {
     pub(super) setups: Vec<Setup>,
     /// Whether trials of a session have noise, also in the mapping drive.
     noisy: Vec<[bool; 2]>,
-    /// Simulations of all recordings, and whether each was in the cache when the plan was made.
+    /// Simulations of all recordings, and whether each was in the cache when the plan was made, or nothing that is left
+    /// to do needs it.
     pub(super) jobs: Vec<(Job, bool)>,
     pub(super) batches: Vec<Batch>,
 }
@@ -82,7 +83,7 @@ impl Plan {
                     .with_context(|| format!("cell {}", study.cells[cell].name()))?;
             }
         }
-        plan.look_up(workspace)?;
+        plan.look_up(study, workspace)?;
         Ok(plan)
     }
 
@@ -159,7 +160,9 @@ impl Plan {
     }
 
     /// Finds the keys of all recordings and trials, and gathers the trials in batches.
-    fn look_up(&mut self, workspace: &Workspace) -> Result<()> {
+    fn look_up(&mut self, study: &Study, workspace: &Workspace) -> Result<()> {
+        let shown = study.shown_cell();
+        let mut needed = HashSet::new();
         let mut jobs: BTreeMap<String, Job> = BTreeMap::new();
         for (number, members) in self.by_session() {
             let session = Session::new(self.setups[number].clone(), workspace)?;
@@ -175,6 +178,15 @@ impl Plan {
                 let measured = measurement_of(&trial.parameters, &session.parameters);
                 let name = serde_json::to_string(&(trial.approach, measured, trial.noisy_mapping))?;
                 batches.entry(name).or_default().push(index);
+            }
+            let is_shown = |&index: &usize| Some(self.trials[index].cell) == shown;
+            let is_done = |&index: &usize| workspace.cache.has("trials", &self.trials[index].key);
+            if batches
+                .values()
+                .flatten()
+                .any(|index| is_shown(index) || !is_done(index))
+            {
+                needed.extend(needs.iter().cloned());
             }
             for members in batches.into_values() {
                 let mut key = Key::new("batch");
@@ -192,8 +204,8 @@ impl Plan {
         self.jobs = jobs
             .into_values()
             .map(|job| {
-                let is_there = workspace.cache.has_recording(&job.key);
-                (job, is_there)
+                let is_done = !needed.contains(&job.key) || workspace.cache.has_recording(&job.key);
+                (job, is_done)
             })
             .collect();
         Ok(())
@@ -210,9 +222,9 @@ impl Plan {
         self.trials.iter().filter(is_missing).count()
     }
 
-    /// The simulations whose recordings were not in the cache.
+    /// The simulations whose recordings were not in the cache and are needed.
     pub(super) fn missing(&self) -> Vec<Job> {
-        let missing = self.jobs.iter().filter(|(_, is_there)| !is_there);
+        let missing = self.jobs.iter().filter(|(_, is_done)| !is_done);
         missing.map(|(job, _)| job.clone()).collect()
     }
 

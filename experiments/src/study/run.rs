@@ -10,7 +10,7 @@ use super::claims::Trials;
 use super::plan::Plan;
 use super::scores::{self, Row};
 use super::summary::{CellScores, StudySummary, markdown};
-use super::{FigureChoice, Study, tasks};
+use super::{Study, tasks};
 use crate::data::atomic;
 use crate::data::frames::FRAMES;
 use crate::data::layout::Layout;
@@ -129,21 +129,11 @@ fn write_distributions(
     table.write(&data.join("distribution.csv"))
 }
 
-/// Numbers of the cells whose paths are drawn.
-fn drawn_cells(study: &Study) -> Vec<usize> {
-    let figures = study.figures();
-    let cells = figures.iter().filter_map(|figure| match figure {
-        FigureChoice::Paths { cell } => study.cells.iter().position(|known| known.has(cell)),
-        _ => None,
-    });
-    cells.collect()
-}
-
 /// Writes what the first trial of a method heard and believed in the first cell whose paths are drawn: of several
 /// methods the first one that listens, landmarks before images.
 fn write_frames(study: &Study, plan: &Plan, workspace: &Workspace, data: &Path) -> Result<()> {
     let file = data.join(FRAMES);
-    let Some(&index) = drawn_cells(study).first() else {
+    let Some(index) = study.shown_cell() else {
         return Ok(());
     };
     let order = [Approach::Landmarks, Approach::Slam, Approach::Images];
@@ -169,7 +159,7 @@ fn write_frames(study: &Study, plan: &Plan, workspace: &Workspace, data: &Path) 
 
 /// Writes walls, truth and estimates of the first trial of each method in the cells whose paths are drawn.
 fn write_paths(study: &Study, plan: &Plan, found: &[TrialResult], data: &Path) -> Result<()> {
-    for (number, index) in drawn_cells(study).into_iter().enumerate() {
+    for (number, index) in study.drawn_cells().into_iter().enumerate() {
         let header = ["method", "t_s", "x_m", "y_m", "heading_rad", "error_m"];
         let mut table = Table::new(header);
         let mut add = |method: &str, t_s: f64, [x_m, y_m, heading_rad, error_m]: [f64; 4]| {

@@ -27,6 +27,9 @@ const MOST_BIAS_RADPS: f64 = 10.0;
 /// The name of the ideal robot's steady error of the turn rate.
 const BIAS: &str = "odometry_bias_radps";
 
+/// What a study does with drives, and the names of their paths unless `drive.*` names others.
+const DRIVES: [&str; 2] = ["mapping", "localization"];
+
 /// Where a scene's text comes from.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) enum Source {
@@ -67,10 +70,13 @@ fn part<'a>(settings: &'a Settings, part: &str) -> impl Iterator<Item = (&'a str
 /// Refuses a name that no part has.
 pub(crate) fn check_name(name: &str, has_robot: bool) -> Result<()> {
     let Some((part, rest)) = name.split_once('.').filter(|(_, rest)| !rest.is_empty()) else {
-        bail!("is not known; names begin with scene., robot., localizer., field. or noise.");
+        bail!(
+            "is not known; names begin with scene., drive., robot., localizer., field. or noise."
+        );
     };
     let known = match (part, rest) {
         ("scene" | "localizer", _) => true,
+        ("drive", rest) => DRIVES.contains(&rest),
         ("robot", BIAS) if has_robot => {
             bail!("is for the ideal robot; leave out the robot file, or set its own fields")
         }
@@ -86,8 +92,8 @@ pub(crate) fn check_name(name: &str, has_robot: bool) -> Result<()> {
     match known {
         true => Ok(()),
         false => bail!(
-            "is not known; there are scene.*, robot.*, localizer.*, field.engine, field.image_order, noise.snr_db and \
-            noise.mapping"
+            "is not known; there are scene.*, drive.mapping, drive.localization, robot.*, localizer.*, field.engine, \
+            field.image_order, noise.snr_db and noise.mapping"
         ),
     }
 }
@@ -111,6 +117,29 @@ fn put(object: &mut Value, place: &str, value: &Value) -> Result<()> {
         };
     }
     *at = value.clone();
+    Ok(())
+}
+
+/// Puts the paths that `drive.*` names in the places of a scene's own drives.
+fn drives(scene: &mut Value, settings: &Settings) -> Result<()> {
+    let chosen: Vec<(&str, &Value)> = part(settings, "drive").collect();
+    let Some(paths) = scene.get_mut("paths").filter(|_| !chosen.is_empty()) else {
+        return Ok(());
+    };
+    let own = paths.clone();
+    for (drive, value) in chosen {
+        let name: String = typed(&format!("drive.{drive}"), value)?;
+        let path = own.get(&name).with_context(|| {
+            let names = own
+                .as_object()
+                .map_or(Vec::new(), |all| all.keys().cloned().collect());
+            format!(
+                "drive.{drive}: the scene has no path {value}; it has {}",
+                names.join(", ")
+            )
+        })?;
+        put(paths, drive, path).with_context(|| format!("drive.{drive}"))?;
+    }
     Ok(())
 }
 
@@ -189,6 +218,7 @@ impl Resolver {
         for (place, value) in part(settings, "scene") {
             put(&mut text, place, value).with_context(|| format!("scene.{place}"))?;
         }
+        drives(&mut text, settings)?;
         let text = text.to_string();
         if let Some(known) = self
             .scenes
@@ -203,7 +233,7 @@ impl Resolver {
             Source::Random(kind, seed) => PathBuf::from(format!("random {kind} {seed}")),
         };
         let scene = Arc::new(Scene::from_json(&text, &origin)?);
-        for drive in ["mapping", "localization"] {
+        for drive in DRIVES {
             scene.path(drive)?;
         }
         if let Ok(mut scenes) = self.scenes.lock() {

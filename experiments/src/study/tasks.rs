@@ -33,7 +33,7 @@ pub struct TaskLine {
     pub needs: Vec<String>,
     /// Number of trials.
     pub trials: usize,
-    /// Whether its results are in the cache.
+    /// Whether its results are in the cache, or nothing that is left to do needs them.
     pub done: bool,
 }
 
@@ -62,7 +62,8 @@ impl Plan {
     /// Number of tasks whose results are in the cache, by a quick look.
     pub fn done(&self, workspace: &Workspace) -> u64 {
         let jobs = self.jobs.iter();
-        let simulated = jobs.filter(|(job, _)| workspace.cache.recording(&job.key).is_dir());
+        let simulated =
+            jobs.filter(|(job, done)| *done || workspace.cache.recording(&job.key).is_dir());
         let batches = self.batches.iter();
         let run = batches.filter(|batch| self.is_done(batch, workspace));
         (simulated.count() + run.count()) as u64

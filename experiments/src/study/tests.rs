@@ -7,6 +7,8 @@ use serde_json::{Value, json};
 use super::*;
 use crate::papers::{PaperSession, Papers};
 
+const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes");
+
 /// A study on a scene of the project with some fields replaced.
 fn study(changes: &[(&str, Value)]) -> Value {
     let mut study = json!({
@@ -227,6 +229,12 @@ fn plans_refuse_values_that_no_trial_can_have() {
         ("scene.medium.c_mps", json!(-3), "c_mps"),
         ("scene.colour", json!(3), "colour"),
         ("scene.walls.77.thickness_m", json!(0.1), "scene.walls.77"),
+        (
+            "drive.mapping",
+            json!("upstairs"),
+            "no path \"upstairs\"; it has localization, mapping",
+        ),
+        ("drive.localization", json!(2), "drive.localization"),
         ("field.image_order", json!(40), "field.image_order"),
         ("noise.snr_db", json!("loud"), "noise.snr_db"),
         ("noise.snr_db", json!(1e9), "noise.snr_db"),
@@ -260,6 +268,34 @@ fn plans_refuse_values_that_no_trial_can_have() {
         }),
     ]);
     assert!(format!("{:#}", many.unwrap_err()).contains("seeds"));
+}
+
+/// Drives are paths of the scene: another way round needs another recording, the same way none.
+#[test]
+fn the_drives_of_a_study_are_paths_of_its_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let workspace = crate::session::Workspace::new(folder.path(), Some(1));
+    let drives = json!(["localization", "example_drive", "example_mapping"]);
+    let study = parse(&study(&[
+        ("scenes", json!(["scenes/site.json"])),
+        ("set", json!({"drive.mapping": "example_mapping"})),
+        ("vary", json!([{"drive.localization": drives}])),
+        ("methods", json!(["odometry"])),
+    ]))
+    .unwrap();
+    let plan = Plan::new(&study, &[], &workspace).unwrap();
+    assert_eq!((plan.trials(), plan.jobs.len()), (3, 3));
+    let courses: Vec<f64> = (plan.setups.iter())
+        .map(|setup| setup.scene.path("localization").unwrap().duration_s())
+        .collect();
+    let scene = fdtd::scene::Scene::load(&Path::new(SCENES).join("site.json")).unwrap();
+    let of = |name: &str| scene.path(name).unwrap().duration_s();
+    assert_eq!(
+        courses,
+        ["localization", "example_drive", "example_mapping"].map(of)
+    );
+    let cell = study.cells[1].name();
+    assert!(cell.contains("localization = example_drive"), "{cell}");
 }
 
 #[test]

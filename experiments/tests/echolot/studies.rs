@@ -124,15 +124,13 @@ fn a_study_has_the_numbers_of_the_commands() {
 fn threads_and_interruptions_change_no_byte() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    study_file(
-        at,
-        &[
-            ("vary", json!([{"noise.snr_db": [0, null]}])),
-            ("seeds", json!({"filter": 2, "noise": 2})),
-            ("methods", json!(["doppler", "toa-only", "landmarks"])),
-            ("claims", json!([])),
-        ],
-    );
+    let changes = [
+        ("vary", json!([{"noise.snr_db": [0, null]}])),
+        ("seeds", json!({"filter": 2, "noise": 2})),
+        ("methods", json!(["doppler", "toa-only", "landmarks"])),
+        ("claims", json!([])),
+    ];
+    study_file(at, &changes);
     let trials = |results: &str, threads: &str| {
         let run = [
             "run",
@@ -158,6 +156,12 @@ fn threads_and_interruptions_change_no_byte() {
     assert_eq!(trials("two", "2"), one);
     std::fs::remove_dir_all(at.join("two/cache/recordings")).unwrap();
     assert_eq!(trials("two", "1"), one);
+    // Where no figure shows what was heard, trials that were run need their recordings no more.
+    let bars = [("figures", json!([{"kind": "bars"}]))];
+    study_file(at, &[&changes[..], &bars].concat());
+    std::fs::remove_dir_all(at.join("two/cache/recordings")).unwrap();
+    assert_eq!(trials("two", "1"), one);
+    assert!(!at.join("two/cache/recordings").exists());
     assert_eq!(one.lines().count(), 1 + 2 * (4 + 2) + 2 + 1);
 }
 

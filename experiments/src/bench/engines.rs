@@ -49,7 +49,7 @@ pub struct Row {
 fn flops(scheme: Scheme) -> f64 {
     match scheme {
         Scheme::Slf => 7.0,
-        Scheme::M13 | Scheme::O13 => 15.0,
+        Scheme::Iwb | Scheme::M13 | Scheme::O13 => 15.0,
         Scheme::D25 => 27.0,
     }
 }

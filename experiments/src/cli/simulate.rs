@@ -51,7 +51,7 @@ pub(crate) struct Arguments {
     /// Simulate the drive without walls too and write it as direct.wav.
     #[arg(long, conflicts_with = "free_field")]
     with_direct: bool,
-    /// Scheme of the field, slf, m13, o13 or d25; the scene's unless given.
+    /// Scheme of the field, slf, m13, o13, d25 or iwb; the scene's unless given.
     #[arg(long, value_parser = named::<Scheme>)]
     scheme: Option<Scheme>,
     /// Spreading of source and receiver, bilinear, gaussian, kaiser8 or kaiser12; the scene's unless given.

@@ -21,6 +21,7 @@ fn stroke(scheme: &str, angle_deg: &str) -> Stroke {
         "slf" => colour::VERMILLION,
         "m13" => colour::BLUE,
         "o13" => colour::GREEN,
+        "iwb" => colour::ORANGE,
         _ => colour::BLACK,
     };
     let dashes: &[f64] = match angle_deg {

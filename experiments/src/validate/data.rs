@@ -138,7 +138,7 @@ mod tests {
         let table = curves();
         assert_eq!(
             table.distinct("scheme").unwrap(),
-            ["slf", "m13", "o13", "d25"]
+            ["slf", "m13", "o13", "d25", "iwb"]
         );
     }
 }

@@ -23,7 +23,7 @@ pub const FLUSH_BELOW_PA: f32 = 1e-20;
 pub fn flushes_subnormals(scheme: Scheme, step: u64) -> bool {
     let period = match scheme {
         Scheme::Slf => 16,
-        Scheme::M13 | Scheme::O13 => 8,
+        Scheme::Iwb | Scheme::M13 | Scheme::O13 => 8,
         Scheme::D25 => 6,
     };
     step % period < 2

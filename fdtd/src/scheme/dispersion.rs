@@ -63,6 +63,8 @@ mod tests {
             (Scheme::M13, diagonal, -0.03, -0.15),
             (Scheme::D25, 0.0, -0.037, 0.11),
             (Scheme::D25, diagonal, -0.042, -0.09),
+            (Scheme::Iwb, 0.0, -2.60, -7.9),
+            (Scheme::Iwb, diagonal, -3.55, -10.6),
         ] {
             let grid = scheme.polynomial(courant);
             let vp = 100.0 * (grid.phase_velocity(omega_dt, angle).unwrap() - 1.0);

@@ -43,17 +43,18 @@ impl Polynomial {
     /// `l (P + Q) - m (PQ + QP)/2` with `l = linear - 4 square + 16 cube - 16 cross` and `m = mixed - 16 cross`. That
     /// is linear in P and in Q, so its largest eigenvalue is largest where both are 4 times projections; two
     /// projections fall apart into planes in which they meet at an angle of cosine C, where the eigenvalues are
-    /// `4 l (1 + C) - 8 m C (1 + C)`: at most `8 l - 16 m`, the symbol of the checkerboard, when `6 m <= l`.
+    /// `4 l (1 + C) - 8 m C (1 + C)`: at most `8 l - 16 m`, the symbol of the checkerboard, when `6 m <= l`, and
+    /// otherwise `(l + 2 m)^2 / (2 m)`, at a C below 1.
     fn bounds(&self) -> Option<[f64; 2]> {
         let plain = self.largest_eigenvalue()?;
         let signs =
             self.square <= 0.0 && self.mixed >= 0.0 && self.cube >= 0.0 && self.cross <= 0.0;
         let sum = self.linear - 4.0 * self.square + 16.0 * self.cube - 16.0 * self.cross;
         let product = self.mixed - 16.0 * self.cross;
-        Some(if signs && 6.0 * product <= sum {
-            [8.0 * sum - 16.0 * product, sum - 6.0 * product]
-        } else {
-            [plain, 0.0]
+        Some(match signs {
+            true if 6.0 * product <= sum => [8.0 * sum - 16.0 * product, sum - 6.0 * product],
+            true => [(sum + 2.0 * product).powi(2) / (2.0 * product), 0.0],
+            false => [plain, 0.0],
         })
     }
 

@@ -384,7 +384,8 @@ mod tests {
 
     #[test]
     fn one_pair_gives_the_bytes_of_a_simulation() {
-        for (scheme, temperature_degc) in Scheme::ALL.into_iter().zip([3.0, 17.5, 20.0, 29.0]) {
+        for (scheme, temperature_degc) in Scheme::ALL.into_iter().zip([3.0, 17.5, 20.0, 29.0, 11.0])
+        {
             let scene = scene(temperature_degc, scheme);
             let options = SimulationOptions {
                 threads: 2,

@@ -138,6 +138,7 @@ pub fn detuning_allowed(conditions: &Conditions, scheme: Scheme) -> f64 {
         Scheme::M13 => 2e-4,
         Scheme::O13 => 1.5e-3,
         Scheme::D25 => 6e-4,
+        Scheme::Iwb => 8e-3,
     };
     on_papers_grid * conditions.dispersion(scheme, 5e3)
 }
@@ -328,8 +329,8 @@ pub fn measure_order(_: Depth) -> Result<Vec<Measurement>, Error> {
             let case = named(&case, &setting);
             let order = (coarse / fine).abs().log2();
             match scheme {
-                Scheme::Slf | Scheme::M13 => {
-                    let nominal = if scheme == Scheme::Slf { 2.0 } else { 4.0 };
+                Scheme::Slf | Scheme::M13 | Scheme::Iwb => {
+                    let nominal = if scheme == Scheme::M13 { 4.0 } else { 2.0 };
                     let least = Some(nominal - 0.2);
                     Measurement {
                         least,

@@ -88,9 +88,9 @@ def simulate(
     """Simulates a drive of a scene, as ``echolot simulate``.
 
     ``engine`` is ``"fdtd"`` (the sound field) or ``"image-source"`` (rigid walls without diffraction: seconds instead
-    of minutes; ``image_order`` reflections, 2 unless given). ``scheme`` (``"slf"``, ``"m13"``, ``"o13"``, ``"d25"``),
-    ``spread`` (``"bilinear"``, ``"gaussian"``, ``"kaiser8"``, ``"kaiser12"``) and ``walls`` (``"cut_cells"``,
-    ``"staircase"``) are the scene's unless given.
+    of minutes; ``image_order`` reflections, 2 unless given). ``scheme`` (``"slf"``, ``"m13"``, ``"o13"``, ``"d25"``,
+    ``"iwb"``), ``spread`` (``"bilinear"``, ``"gaussian"``, ``"kaiser8"``, ``"kaiser12"``) and ``walls``
+    (``"cut_cells"``, ``"staircase"``) are the scene's unless given.
 
     ``free_field`` leaves out the walls, ``with_direct`` simulates the drive without walls too, ``absorption`` is that
     of air by ISO 9613-1 and needs a scene with temperature and humidity. ``odometry_bias`` is a steady error of the

@@ -73,7 +73,7 @@ impl Blocking {
                     chunk: whole,
                 }
             }
-            Scheme::M13 | Scheme::O13 | Scheme::D25 => {
+            Scheme::Iwb | Scheme::M13 | Scheme::O13 | Scheme::D25 => {
                 // The rows of a stencil, or of a pair of them, and those that are written.
                 let vectors = first_level_bytes * 3 / 4 / (8 * layout.lanes * size_of::<f32>());
                 let parts = whole.div_ceil(vectors.max(1));

@@ -93,7 +93,7 @@ impl<N: Real> PlainField<N> {
                     [row(-1), row(0), row(1)],
                     next,
                 ),
-                Scheme::M13 | Scheme::O13 => m13_row(
+                Scheme::Iwb | Scheme::M13 | Scheme::O13 => m13_row(
                     &Splat::new(&self.setup.weights),
                     [row(-2), row(-1), row(0), row(1), row(2)],
                     next,

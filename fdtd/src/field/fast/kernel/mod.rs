@@ -117,7 +117,7 @@ pub(super) unsafe fn run_tile(
                 avx512_slf(plan, shared, tile, steps, sums, fronts)
             }
             #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
-            (InstructionSet::Avx512, Scheme::M13 | Scheme::O13) => {
+            (InstructionSet::Avx512, Scheme::Iwb | Scheme::M13 | Scheme::O13) => {
                 avx512_m13(plan, shared, tile, steps, sums, fronts);
             }
             #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
@@ -129,7 +129,7 @@ pub(super) unsafe fn run_tile(
                 avx2_slf(plan, shared, tile, steps, sums, fronts)
             }
             #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
-            (InstructionSet::Avx2, Scheme::M13 | Scheme::O13) => {
+            (InstructionSet::Avx2, Scheme::Iwb | Scheme::M13 | Scheme::O13) => {
                 avx2_m13(plan, shared, tile, steps, sums, fronts);
             }
             #[cfg(all(target_arch = "x86_64", not(fuzzing)))]
@@ -137,7 +137,7 @@ pub(super) unsafe fn run_tile(
                 avx2_d25(plan, shared, tile, steps, sums, fronts)
             }
             (_, Scheme::Slf) => sweep_tile::<Plain, Slf>(plan, shared, tile, steps, sums, fronts),
-            (_, Scheme::M13 | Scheme::O13) => {
+            (_, Scheme::Iwb | Scheme::M13 | Scheme::O13) => {
                 sweep_tile::<Plain, M13>(plan, shared, tile, steps, sums, fronts);
             }
             (_, Scheme::D25) => sweep_tile::<Plain, D25>(plan, shared, tile, steps, sums, fronts),

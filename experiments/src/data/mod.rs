@@ -9,6 +9,7 @@ pub mod json;
 pub mod layout;
 pub mod lease;
 pub mod manifest;
+pub(crate) mod map_place;
 pub mod peaks;
 pub mod place;
 pub mod table;

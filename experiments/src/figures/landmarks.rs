@@ -120,6 +120,9 @@ pub(crate) fn draw(
         for entry in entries {
             y += legend(sheet, [1130.0, y], 460.0, &[entry])? + 10.0;
         }
+        if paths.is_empty() {
+            return Ok(());
+        }
         sheet.text(
             "\u{25cf} start   \u{25a0} end",
             [1130.0, y + 26.0],

@@ -16,6 +16,7 @@ mod dual_circle;
 mod error_distribution;
 mod estimated_paths;
 mod landmark_bound;
+mod map_image;
 mod means;
 mod multipath;
 mod noise;

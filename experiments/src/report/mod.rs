@@ -7,7 +7,8 @@ mod study;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
+use base64::prelude::{BASE64_STANDARD, Engine};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::data::json;
@@ -63,6 +64,17 @@ pub fn page(results: &Path, page: &Path) -> Result<String> {
         false => papers::content(results, &link)?,
     };
     Ok(document(content))
+}
+
+/// A figure as the page holds it: a drawing itself, a picture in base64.
+fn picture(path: &Path) -> Result<Markup> {
+    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    if path.extension().is_some_and(|ending| ending == "svg") {
+        return Ok(PreEscaped(String::from_utf8(bytes)?));
+    }
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let data = BASE64_STANDARD.encode(bytes);
+    Ok(html! { img alt=(name) src=(format!("data:image/png;base64,{data}")); })
 }
 
 /// The whole page.

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
-use base64::prelude::{BASE64_STANDARD, Engine};
-use maud::{Markup, PreEscaped, html};
+use anyhow::Result;
+use maud::{Markup, html};
 
-use super::{Content, provenance, replay};
+use super::{Content, picture, provenance, replay};
 use crate::check::report::{count, ours};
 use crate::check::targets::Targets;
 use crate::check::verdicts::{Judged, Verdict, judge};
@@ -66,21 +65,8 @@ pub(super) fn content(results: &Path, link: &Path) -> Result<Content> {
 /// The figures: drawings, and pictures where they show images.
 fn pictures(results: &Path) -> Result<Vec<Markup>> {
     let temporary = tempfile::tempdir()?;
-    let mut pictures = Vec::new();
-    for path in figures::draw_for_page(results, temporary.path())? {
-        let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
-        pictures.push(
-            match path.extension().is_some_and(|ending| ending == "svg") {
-                true => PreEscaped(String::from_utf8(bytes)?),
-                false => {
-                    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-                    let data = BASE64_STANDARD.encode(bytes);
-                    html! { img alt=(name) src=(format!("data:image/png;base64,{data}")); }
-                }
-            },
-        );
-    }
-    Ok(pictures)
+    let drawn = figures::draw_for_page(results, temporary.path())?;
+    drawn.iter().map(|path| picture(path)).collect()
 }
 
 /// Claims, our numbers, and verdicts.

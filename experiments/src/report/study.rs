@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
-use super::{Content, provenance, replay};
+use super::{Content, picture, provenance, replay};
 use crate::figures;
 use crate::study::claims::{Kind, Verdict};
+use crate::study::file::FigureChoice;
 use crate::study::{CellScores, Study, StudySummary, cells};
 
 /// What the page of a folder of results says; links lead to `link`, where the folder is seen from the page.
@@ -18,7 +19,7 @@ pub(super) fn content(results: &Path, link: &Path) -> Result<Content> {
     let summary = StudySummary::read(&results.join("summary.json"))?;
     let study = Study::of_results(&summary.study).with_context(|| results.display().to_string())?;
     let data = |name: &str| link.join("data").join(name).display().to_string();
-    let drawings = drawings(&study, results)?;
+    let drawings = drawings(&study, &summary, results)?;
     let replay = replay::of_study(&results.join("data"))?;
     let body = html! {
         @if !summary.claims.is_empty() {
@@ -27,7 +28,7 @@ pub(super) fn content(results: &Path, link: &Path) -> Result<Content> {
         }
         h2 { "Figures" }
         @for drawing in &drawings {
-            figure { (PreEscaped(drawing)) }
+            figure { (drawing) }
         }
         @if let Some(replay) = &replay {
             h2 { "Replay" }
@@ -54,13 +55,41 @@ pub(super) fn content(results: &Path, link: &Path) -> Result<Content> {
     })
 }
 
-/// The study's figures as SVG.
-fn drawings(study: &Study, results: &Path) -> Result<Vec<String>> {
+/// The study's figures: drawings, pictures where they show images, and tables.
+fn drawings(study: &Study, summary: &StudySummary, results: &Path) -> Result<Vec<Markup>> {
     let temporary = tempfile::tempdir()?;
-    figures::study::draw_into(study, results, temporary.path(), "svg")?
-        .iter()
-        .map(|path| std::fs::read_to_string(path).with_context(|| path.display().to_string()))
+    let drawn = figures::study::draw_into(study, results, temporary.path(), "svg")?;
+    let mut tables = study
+        .figures()
+        .into_iter()
+        .filter_map(|figure| match figure {
+            FigureChoice::Table { measures } => {
+                Some(figures::study::table::rows(summary, &measures))
+            }
+            _ => None,
+        });
+    let is_table = |path: &Path| path.extension().is_some_and(|ending| ending == "md");
+    (drawn.iter())
+        .map(
+            |path| match is_table(path).then(|| tables.next()).flatten() {
+                Some(rows) => Ok(table(&rows)),
+                None => picture(path),
+            },
+        )
         .collect()
+}
+
+/// Rows as a table, their head first.
+fn table(rows: &[Vec<String>]) -> Markup {
+    let (head, rest) = rows.split_at(1.min(rows.len()));
+    html! {
+        div class="scroll" {
+            table {
+                @for row in head { tr { @for cell in row { th { (cell) } } } }
+                @for row in rest { tr { @for cell in row { td { (cell) } } } }
+            }
+        }
+    }
 }
 
 /// Claims, what came out, and verdicts.

@@ -248,6 +248,18 @@ pub enum FigureChoice {
         #[serde(default, rename = "where")]
         cell: Settings,
     },
+    /// The maps of the first trial of a cell over the true walls, the echo image and the landmarks as methods have them;
+    /// of the first cell unless given.
+    Map {
+        /// Values of the cell.
+        #[serde(default, rename = "where")]
+        cell: Settings,
+    },
+    /// Measures of every cell and method with their intervals.
+    Table {
+        /// The measures, a column each.
+        measures: Vec<Measure>,
+    },
 }
 
 /// A value that is a text, or an object of another type: errors name the object's field.

@@ -10,6 +10,7 @@ pub mod compare;
 pub mod file;
 mod forecast;
 pub mod interval;
+mod maps;
 mod plan;
 mod run;
 pub mod scores;
@@ -82,6 +83,16 @@ impl Study {
         let figures = self.figures();
         let cells = figures.iter().filter_map(|figure| match figure {
             FigureChoice::Paths { cell } => self.cells.iter().position(|known| known.has(cell)),
+            _ => None,
+        });
+        cells.collect()
+    }
+
+    /// Numbers of the cells whose maps are drawn.
+    fn mapped_cells(&self) -> Vec<usize> {
+        let figures = self.figures();
+        let cells = figures.iter().filter_map(|figure| match figure {
+            FigureChoice::Map { cell } => self.cells.iter().position(|known| known.has(cell)),
             _ => None,
         });
         cells.collect()
@@ -250,7 +261,7 @@ fn check_names(file: &StudyFile) -> Result<()> {
     let own = file.methods.iter().filter_map(|choice| choice.settings());
     let chosen = file.alternatives.iter().map(|alternative| &alternative.set);
     let drawn = file.figures.iter().filter_map(|figure| match figure {
-        FigureChoice::Paths { cell } => Some(cell),
+        FigureChoice::Paths { cell } | FigureChoice::Map { cell } => Some(cell),
         _ => None,
     });
     let sets = [&file.set].into_iter().chain(own).chain(chosen);
@@ -330,8 +341,13 @@ fn check_figure(figure: &FigureChoice, cells: &[Cell]) -> Result<()> {
                 }
             }
         }
-        FigureChoice::Paths { cell } if !cells.iter().any(|known| known.has(cell)) => {
+        FigureChoice::Paths { cell } | FigureChoice::Map { cell }
+            if !cells.iter().any(|known| known.has(cell)) =>
+        {
             bail!("where: no cell of the study has these values; name values that vary")
+        }
+        FigureChoice::Table { measures } if measures.is_empty() => {
+            bail!("measures: there are none; name at least one")
         }
         _ => {}
     }

@@ -161,7 +161,9 @@ impl Plan {
 
     /// Finds the keys of all recordings and trials, and gathers the trials in batches.
     fn look_up(&mut self, study: &Study, workspace: &Workspace) -> Result<()> {
-        let shown = study.shown_cell();
+        let shown: Vec<usize> = (study.shown_cell().into_iter())
+            .chain(study.mapped_cells())
+            .collect();
         let mut needed = HashSet::new();
         let mut jobs: BTreeMap<String, Job> = BTreeMap::new();
         for (number, members) in self.by_session() {
@@ -179,7 +181,7 @@ impl Plan {
                 let name = serde_json::to_string(&(trial.approach, measured, trial.noisy_mapping))?;
                 batches.entry(name).or_default().push(index);
             }
-            let is_shown = |&index: &usize| Some(self.trials[index].cell) == shown;
+            let is_shown = |&index: &usize| shown.contains(&self.trials[index].cell);
             let is_done = |&index: &usize| workspace.cache.has("trials", &self.trials[index].key);
             if batches
                 .values()

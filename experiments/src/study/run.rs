@@ -10,7 +10,7 @@ use super::claims::Trials;
 use super::plan::Plan;
 use super::scores::{self, Row};
 use super::summary::{CellScores, StudySummary, markdown};
-use super::{Study, tasks};
+use super::{Study, maps, tasks};
 use crate::data::atomic;
 use crate::data::frames::FRAMES;
 use crate::data::layout::Layout;
@@ -77,6 +77,7 @@ pub fn gather(
     scores::write(&data.join("trials.csv"), &rows, &study.cells, &methods)?;
     write_distributions(study, plan, &found, &data)?;
     write_paths(study, plan, &found, &data)?;
+    maps::write(study, plan, workspace, &data)?;
     write_frames(study, plan, workspace, &data)?;
     let trials = Trials {
         cells: &study.cells,

@@ -66,6 +66,19 @@ fn what_cannot_be_used_is_refused_by_name() {
         &[("scenes", json!(["a/room.json", "b/room.json"]))],
         &["scenes[1]", "twice"],
     );
+    let drawn = |figure: Value| [("figures", json!([figure]))];
+    refused(
+        &drawn(json!({"kind": "table", "measures": []})),
+        &["figures[0]", "measures"],
+    );
+    refused(
+        &drawn(json!({"kind": "table", "measures": ["speed"]})),
+        &["speed"],
+    );
+    refused(
+        &drawn(json!({"kind": "map", "where": {"localizer.periods": 9}})),
+        &["figures[0]", "where"],
+    );
     refused(&[("methods", json!([]))], &["methods"]);
     refused(&[("methods", json!(["magic"]))], &["methods", "magic"]);
     refused(

@@ -5,6 +5,7 @@ pub mod drives;
 mod group;
 mod noise_sweep;
 mod plain;
+mod surroundings;
 mod trial;
 mod watch;
 
@@ -15,6 +16,7 @@ use crate::data::cache::Key;
 use crate::run::progress::Task;
 use crate::session::Session;
 
+pub use self::surroundings::{Surroundings, surroundings};
 pub use self::trial::{Approach, Trial, TrialResult, accuracy};
 pub use self::watch::watch;
 

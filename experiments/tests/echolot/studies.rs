@@ -16,7 +16,10 @@ pub(crate) fn study_file(folder: &Path, changes: &[(&str, Value)]) {
         "scenes": ["room.json"],
         "set": {"field.engine": "image-source", "localizer.window_half_width_m": 2},
         "methods": ["doppler", "odometry", "landmarks", "slam", "multipath"],
-        "figures": [{"kind": "bars"}, {"kind": "cdf"}, {"kind": "paths"}],
+        "figures": [
+            {"kind": "bars"}, {"kind": "cdf"}, {"kind": "paths"}, {"kind": "map"},
+            {"kind": "table", "measures": ["mae_m", "nees"]},
+        ],
         "claims": [{
             "id": "better", "claim": "landmarks beat images",
             "test": {"test": "order", "of": [{"method": "landmarks"}, {"method": "doppler"}]}
@@ -68,13 +71,15 @@ fn a_study_has_the_numbers_of_the_commands() {
     );
     study_file(at, &[]);
     let ours = summary(at, "results");
-    for figure in ["mae_m_bars", "error_cdf", "paths_0"] {
-        assert!(
-            at.join(format!("results/mine/figures/{figure}.png"))
-                .exists(),
-            "{figure}"
-        );
+    let figures = at.join("results/mine/figures");
+    for figure in ["mae_m_bars", "error_cdf", "paths_0", "map_0", "landmarks_0"] {
+        let picture = figures.join(format!("{figure}.png"));
+        assert!(picture.exists(), "{figure}");
     }
+    let table = std::fs::read_to_string(figures.join("table_0.md")).unwrap();
+    let rows: Vec<&str> = table.lines().collect();
+    assert_eq!(rows.len(), 2 + 5, "{table}");
+    assert!(rows[2].starts_with("| all | doppler | 0."), "{table}");
     for path in ["mapping", "localization"] {
         let simulate = [
             "simulate",

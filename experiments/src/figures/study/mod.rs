@@ -4,8 +4,10 @@ mod bars;
 mod curve;
 mod differences;
 mod distribution;
+mod map;
 mod paths;
 mod rows;
+pub(crate) mod table;
 
 use std::path::{Path, PathBuf};
 
@@ -15,6 +17,7 @@ use plotters::style::RGBColor;
 use super::drawing::colour;
 use super::drawing::stroke::{Marker, Stroke};
 use super::drawing::style::method_style;
+use crate::data::atomic;
 use crate::study::cells::short;
 use crate::study::file::{FigureChoice, MethodName};
 use crate::study::{Study, StudySummary};
@@ -117,32 +120,43 @@ pub(crate) fn draw_into(
     let summary = StudySummary::read(&results.join("summary.json"))?;
     let data = results.join("data");
     let mut drawn = Vec::new();
-    let mut paths = 0;
+    let (mut paths, mut maps, mut tables) = (0, 0, 0);
     for figure in study.figures() {
         let picture = |name: &str| figures.join(format!("{name}.{ending}"));
-        drawn.push(match &figure {
+        match &figure {
             FigureChoice::Curve { over, measure } => {
                 let picture = picture(&format!("{}_over_{}", measure.name(), short(over)));
                 curve::draw(&summary, over, *measure, &picture)?;
-                picture
+                drawn.push(picture);
             }
             FigureChoice::Bars { measure } => {
                 let picture = picture(&format!("{}_bars", measure.name()));
                 bars::draw(&summary, *measure, &picture)?;
-                picture
+                drawn.push(picture);
             }
             FigureChoice::Cdf {} => {
                 let picture = picture("error_cdf");
                 distribution::draw(study, &data, &picture)?;
-                picture
+                drawn.push(picture);
             }
             FigureChoice::Paths { .. } => {
                 let picture = picture(&format!("paths_{paths}"));
                 paths::draw(&data, paths, &picture)?;
                 paths += 1;
-                picture
+                drawn.push(picture);
             }
-        });
+            FigureChoice::Map { .. } => {
+                drawn.extend(map::draw(&data, maps, figures, ending)?);
+                maps += 1;
+            }
+            FigureChoice::Table { measures } => {
+                let file = figures.join(format!("table_{tables}.md"));
+                let text = table::markdown(&table::rows(&summary, measures));
+                atomic::write(&file, text.as_bytes())?;
+                tables += 1;
+                drawn.push(file);
+            }
+        }
     }
     Ok(drawn)
 }

@@ -2,11 +2,11 @@
 
 ECHOLOT = cargo run --quiet --release -p experiments --bin echolot --
 
-.PHONY: help sim-experiments sim-landmarks sim-quick sim-ensemble sim-letter figures bound picture claims reference \
-	validate test audio-test check fuzz robustness bench bless python python-test
+.PHONY: help sim-experiments sim-landmarks sim-quick sim-ensemble sim-ensemble-field sim-letter figures bound picture \
+	claims reference validate test audio-test check fuzz robustness bench bless python python-test
 
 help: ## list the targets
-	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 18
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 20
 
 LANDMARKS = $(patsubst %,studies/papers/landmarks_%.json,periods noise site)
 
@@ -22,8 +22,11 @@ sim-quick: ## the same chain in a small scene, and all methods by image sources 
 sim-ensemble: ## in what share of 100 random layouts the claims hold, by image sources (results/ensemble)
 	$(ECHOLOT) run studies/papers/ensemble.json
 
-sim-letter: ## the 2024 paper with every choice as it prints it, on the field (results/letter)
-	$(ECHOLOT) run studies/papers/letter.json
+sim-ensemble-field: ## the same on the field, in a few of these layouts (results/ensemble_field)
+	$(ECHOLOT) run studies/papers/ensemble_field.json
+
+sim-letter: ## the 2024 paper with every choice as it prints it, on the field (results/letter, results/letter_scheme)
+	$(ECHOLOT) run studies/papers/letter.json studies/papers/letter_scheme.json
 
 figures: ## redraw all figures from the data files, without computing anything
 	@for folder in paper quick methods bench bound; do \

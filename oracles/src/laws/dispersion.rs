@@ -72,7 +72,8 @@ pub fn velocities(
     // As wide as the scheme carries: waves near its cut-off would trail behind.
     let burst = match scheme {
         Scheme::D25 => conditions.burst(9.5e3, 3.5e3),
-        Scheme::Slf | Scheme::M13 | Scheme::O13 | Scheme::Iwb => conditions.burst(8.5e3, 3e3),
+        Scheme::Slf | Scheme::M13 | Scheme::O13 => conditions.burst(8.5e3, 3e3),
+        Scheme::Iwb => conditions.burst(7e3, 2.5e3),
     };
     let strength = |t_s: f64| burst.value(t_s);
     let mut rig = Rig::open(setting, scheme, 560, 560);

@@ -204,11 +204,11 @@ mod tests {
         }
         assert_eq!((times.len(), turns.len()), (CONDITIONS.len(), 8));
         assert!(
-            times.values().all(|times| (8..=36).contains(times)),
+            times.values().all(|times| (10..=45).contains(times)),
             "{times:?}"
         );
         assert!(
-            turns.values().all(|times| (15..=48).contains(times)),
+            turns.values().all(|times| (19..=60).contains(times)),
             "{turns:?}"
         );
     }

@@ -8,6 +8,6 @@ use oracles::laws::dispersion::measure;
 #[test]
 fn velocity_over_frequency_and_angle() {
     let found = measure(Depth::Full).expect("finite fields");
-    assert_eq!(found.len(), 4 * (3 * 2 * 4 + 3 * 6));
+    assert_eq!(found.len(), 4 * (4 * 2 * 4 + 3 * 6));
     assert_within("dispersion", &found);
 }

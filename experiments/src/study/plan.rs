@@ -161,9 +161,7 @@ impl Plan {
 
     /// Finds the keys of all recordings and trials, and gathers the trials in batches.
     fn look_up(&mut self, study: &Study, workspace: &Workspace) -> Result<()> {
-        let shown: Vec<usize> = (study.shown_cell().into_iter())
-            .chain(study.mapped_cells())
-            .collect();
+        let shown = self.shown(study);
         let mut needed = HashSet::new();
         let mut jobs: BTreeMap<String, Job> = BTreeMap::new();
         for (number, members) in self.by_session() {
@@ -181,7 +179,7 @@ impl Plan {
                 let name = serde_json::to_string(&(trial.approach, measured, trial.noisy_mapping))?;
                 batches.entry(name).or_default().push(index);
             }
-            let is_shown = |&index: &usize| shown.contains(&self.trials[index].cell);
+            let is_shown = |index: &usize| shown.contains(index);
             let is_done = |&index: &usize| workspace.cache.has("trials", &self.trials[index].key);
             if batches
                 .values()
@@ -211,6 +209,19 @@ impl Plan {
             })
             .collect();
         Ok(())
+    }
+
+    /// Numbers of the trials of which a figure or a report shows what was heard: the first ones of their methods.
+    fn shown(&self, study: &Study) -> HashSet<usize> {
+        let cells = study.shown_cell().into_iter().chain(study.mapped_cells());
+        let methods = study.methods().len();
+        let first = |cell: usize, method: usize| {
+            let mut trials = self.trials.iter();
+            trials.position(|planned| (planned.cell, planned.method) == (cell, method))
+        };
+        cells
+            .flat_map(|cell| (0..methods).filter_map(move |method| first(cell, method)))
+            .collect()
     }
 
     /// Number of trials.

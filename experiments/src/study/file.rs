@@ -13,7 +13,8 @@ use super::claims::Claim;
 use super::scores::Measure;
 
 /// Values by dotted name: `scene.*` and `robot.*` as in their files, `localizer.*` as in parameter files,
-/// `drive.mapping` and `drive.localization` (names of the scene's paths), `field.engine`, `field.image_order`, `noise.snr_db`, `noise.mapping`, `robot.odometry_bias_radps`.
+/// `drive.mapping` and `drive.localization` (names of the scene's paths), `field.engine`, `field.image_order`,
+/// `noise.snr_db`, `noise.mapping`, `robot.odometry_bias_radps`.
 pub type Settings = BTreeMap<String, Value>;
 
 /// A study: what is simulated, what varies, by which methods, and what is claimed of it.
@@ -248,8 +249,8 @@ pub enum FigureChoice {
         #[serde(default, rename = "where")]
         cell: Settings,
     },
-    /// The maps of the first trial of a cell over the true walls, the echo image and the landmarks as methods have them;
-    /// of the first cell unless given.
+    /// The maps of the first trial of a cell over the true walls: the echo image and the landmarks, as methods have
+    /// them; of the first cell unless given.
     Map {
         /// Values of the cell.
         #[serde(default, rename = "where")]

@@ -33,9 +33,9 @@ pub enum Scheme {
     /// 25 points, optimised for a small error of the phase velocity up to 3.8 cells per wavelength (18 kHz on the
     /// papers' grid).
     D25,
-    /// 9 points, second order: `A + B + AB/4`, the interpolated wide-band scheme of the compact explicit family that the
-    /// 2024 paper's reference [38] names (van Walstijn and Kowalczyk 2008). It is made for Courant numbers near 1; on
-    /// the papers' grid it is as dispersive as the leapfrog along the axes, and more so across them.
+    /// 9 points, second order: `A + B + AB/4`, the interpolated wide-band scheme of the compact explicit family that
+    /// the 2024 paper's reference [38] names (van Walstijn and Kowalczyk 2008). It is made for Courant numbers near 1;
+    /// on the papers' grid it is as dispersive as the leapfrog along the axes, and more so across them.
     Iwb,
 }
 

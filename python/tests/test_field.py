@@ -25,7 +25,9 @@ def scene(temperature: float = 20.0, **fields: object) -> echolot.Scene:
     return echolot.Scene.from_dict(own | fields)
 
 
-@pytest.mark.parametrize(("scheme", "temperature"), [("slf", 3.5), ("m13", 20.0), ("o13", 11.0), ("d25", 29.0), ("iwb", 7.0)])
+@pytest.mark.parametrize(
+    ("scheme", "temperature"), [("slf", 3.5), ("m13", 20.0), ("o13", 11.0), ("d25", 29.0), ("iwb", 7.0)]
+)
 def test_one_pair_gives_the_samples_of_simulate(scheme: str, temperature: float) -> None:
     grid = {"nx": 281, "ny": 230, "dx_m": 0.005, "dt_s": 1 / 120e3}
     own = scene(temperature, scheme=scheme, grid=grid)

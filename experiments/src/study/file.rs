@@ -170,6 +170,11 @@ pub enum MethodName {
 }
 
 impl MethodName {
+    /// Whether it follows a map of echoes, or makes one.
+    pub(super) fn has_map(self) -> bool {
+        !matches!(self, Self::Odometry | Self::Multipath)
+    }
+
     /// Name in files.
     pub fn name(self) -> &'static str {
         match self {

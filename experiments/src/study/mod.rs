@@ -119,7 +119,7 @@ impl Study {
         let cells = cells::cells(&file, &folder)?;
         check_seeds(&file, &cells)?;
         for (number, figure) in file.figures.iter().enumerate() {
-            check_figure(figure, &cells).with_context(|| format!("figures[{number}]"))?;
+            check_figure(figure, &cells, &methods).with_context(|| format!("figures[{number}]"))?;
         }
         for (number, claim) in file.claims.iter().enumerate() {
             if file.claims[..number]
@@ -326,7 +326,7 @@ fn check_seeds(file: &StudyFile, cells: &[Cell]) -> Result<()> {
 }
 
 /// Refuses a figure of what is not in the study.
-fn check_figure(figure: &FigureChoice, cells: &[Cell]) -> Result<()> {
+fn check_figure(figure: &FigureChoice, cells: &[Cell], methods: &[MethodName]) -> Result<()> {
     match figure {
         FigureChoice::Curve { over, .. } => {
             for cell in cells {
@@ -345,6 +345,9 @@ fn check_figure(figure: &FigureChoice, cells: &[Cell]) -> Result<()> {
             if !cells.iter().any(|known| known.has(cell)) =>
         {
             bail!("where: no cell of the study has these values; name values that vary")
+        }
+        FigureChoice::Map { .. } if !methods.iter().any(|method| method.has_map()) => {
+            bail!("map: no method of the study has a map; leave the figure out")
         }
         FigureChoice::Table { measures } if measures.is_empty() => {
             bail!("measures: there are none; name at least one")

@@ -158,7 +158,8 @@ fn write_frames(study: &Study, plan: &Plan, workspace: &Workspace, data: &Path) 
     Ok(())
 }
 
-/// Writes walls, truth and estimates of the first trial of each method in the cells whose paths are drawn.
+/// Writes walls, truth and estimates of the first trial of each method in the cells whose paths are drawn; of cells
+/// that are not in the plan nothing.
 fn write_paths(study: &Study, plan: &Plan, found: &[TrialResult], data: &Path) -> Result<()> {
     for (number, index) in study.drawn_cells().into_iter().enumerate() {
         let header = ["method", "t_s", "x_m", "y_m", "heading_rad", "error_m"];
@@ -191,7 +192,13 @@ fn write_paths(study: &Study, plan: &Plan, found: &[TrialResult], data: &Path) -
                 add(name, t_s, [x_m, y_m, heading_rad, result.error_m[k]]);
             }
         }
-        table.write(&data.join(format!("paths_{number}.csv")))?;
+        let file = data.join(format!("paths_{number}.csv"));
+        if !drawn.is_empty() {
+            table.write(&file)?;
+        } else if file.exists() {
+            // Of another run, in which the cell was one of those that were chosen.
+            std::fs::remove_file(&file)?;
+        }
     }
     Ok(())
 }

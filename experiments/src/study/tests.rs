@@ -79,6 +79,13 @@ fn what_cannot_be_used_is_refused_by_name() {
         &drawn(json!({"kind": "map", "where": {"localizer.periods": 9}})),
         &["figures[0]", "where"],
     );
+    refused(
+        &[
+            ("methods", json!(["odometry", "multipath"])),
+            ("figures", json!([{"kind": "map"}])),
+        ],
+        &["figures[0]", "map"],
+    );
     refused(&[("methods", json!([]))], &["methods"]);
     refused(&[("methods", json!(["magic"]))], &["methods", "magic"]);
     refused(

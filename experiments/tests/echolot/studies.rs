@@ -170,6 +170,35 @@ fn threads_and_interruptions_change_no_byte() {
     assert_eq!(one.lines().count(), 1 + 2 * (4 + 2) + 2 + 1);
 }
 
+/// Paths and maps of a cell that is not run are left out, and stay away where they were before.
+#[test]
+fn a_part_of_a_study_draws_what_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let of_the_second = json!({"localizer.particles": 60});
+    study_file(
+        at,
+        &[
+            ("vary", json!([{"localizer.particles": [50, 60]}])),
+            ("methods", json!(["doppler"])),
+            (
+                "figures",
+                json!([{"kind": "paths", "where": of_the_second}, {"kind": "map", "where": of_the_second}]),
+            ),
+            ("claims", json!([])),
+        ],
+    );
+    let is_drawn = |name: &str| at.join("results/mine").join(name).exists();
+    for (cell, whole) in [("particles=60", true), ("particles=50", false)] {
+        expect(at, &["run", "mine.json", "--only", cell]);
+        for name in ["data/paths_0.csv", "data/map_0.npy"] {
+            assert_eq!(is_drawn(name), whole, "{cell}: {name}");
+        }
+    }
+    expect(at, &["run", "mine.json"]);
+    assert!(is_drawn("figures/paths_0.png") && is_drawn("figures/map_0.png"));
+}
+
 #[test]
 fn two_results_are_compared_trial_by_trial() {
     let folder = tempfile::tempdir().unwrap();
@@ -233,7 +262,11 @@ fn a_study_replaces_only_its_own_results() {
     let at = folder.path();
     study_file(
         at,
-        &[("methods", json!(["odometry"])), ("claims", json!([]))],
+        &[
+            ("methods", json!(["odometry"])),
+            ("figures", json!([{"kind": "bars"}])),
+            ("claims", json!([])),
+        ],
     );
     std::fs::create_dir_all(at.join("results/mine")).unwrap();
     std::fs::write(at.join("results/mine/summary.json"), "{\"my\": \"notes\"}").unwrap();

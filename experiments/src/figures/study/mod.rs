@@ -140,10 +140,13 @@ pub(crate) fn draw_into(
                 drawn.push(picture);
             }
             FigureChoice::Paths { .. } => {
-                let picture = picture(&format!("paths_{paths}"));
-                paths::draw(&data, paths, &picture)?;
+                // A cell that was not run has none.
+                if data.join(format!("paths_{paths}.csv")).exists() {
+                    let picture = picture(&format!("paths_{paths}"));
+                    paths::draw(&data, paths, &picture)?;
+                    drawn.push(picture);
+                }
                 paths += 1;
-                drawn.push(picture);
             }
             FigureChoice::Map { .. } => {
                 drawn.extend(map::draw(&data, maps, figures, ending)?);

@@ -222,6 +222,19 @@ pub fn aligned(rows: &[Vec<String>]) -> String {
     text
 }
 
+/// Rows as a Markdown table, their head first.
+pub fn markdown(rows: &[Vec<String>]) -> String {
+    let mut text = String::new();
+    for (index, row) in rows.iter().enumerate() {
+        let cells: Vec<String> = row.iter().map(|cell| cell.replace('|', "\\|")).collect();
+        text.push_str(&format!("| {} |\n", cells.join(" | ")));
+        if index == 0 {
+            text.push_str(&format!("|{}\n", "---|".repeat(row.len())));
+        }
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

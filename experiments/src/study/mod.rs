@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 use self::cells::Cell;
-use self::file::{FigureChoice, MethodName, StudyFile};
+use self::file::{FigureChoice, MethodName, Settings, StudyFile};
 use crate::data::json;
 use crate::recordings::spec::Engine;
 
@@ -78,24 +78,29 @@ impl Study {
         Self::checked(file.clone(), PathBuf::new())
     }
 
+    /// Numbers of the cells that figures show, by what they name of a figure.
+    fn cells_of(&self, named: fn(&FigureChoice) -> Option<&Settings>) -> Vec<usize> {
+        let figures = self.figures();
+        let cells = figures.iter().filter_map(named);
+        cells
+            .filter_map(|cell| self.cells.iter().position(|known| known.has(cell)))
+            .collect()
+    }
+
     /// Numbers of the cells whose paths are drawn.
     fn drawn_cells(&self) -> Vec<usize> {
-        let figures = self.figures();
-        let cells = figures.iter().filter_map(|figure| match figure {
-            FigureChoice::Paths { cell } => self.cells.iter().position(|known| known.has(cell)),
+        self.cells_of(|figure| match figure {
+            FigureChoice::Paths { cell } => Some(cell),
             _ => None,
-        });
-        cells.collect()
+        })
     }
 
     /// Numbers of the cells whose maps are drawn.
     fn mapped_cells(&self) -> Vec<usize> {
-        let figures = self.figures();
-        let cells = figures.iter().filter_map(|figure| match figure {
-            FigureChoice::Map { cell } => self.cells.iter().position(|known| known.has(cell)),
+        self.cells_of(|figure| match figure {
+            FigureChoice::Map { cell } => Some(cell),
             _ => None,
-        });
-        cells.collect()
+        })
     }
 
     /// The cell of whose recordings a report shows what was heard.
@@ -309,7 +314,7 @@ fn check_seeds(file: &StudyFile, cells: &[Cell]) -> Result<()> {
     if file.seeds.slip > 1 && file.robot.is_none() {
         bail!("seeds.slip: there is no robot whose wheels slip; name a robot file or leave it out");
     }
-    let noisy = |settings: &file::Settings| {
+    let noisy = |settings: &Settings| {
         settings
             .get("noise.snr_db")
             .is_some_and(|value| !value.is_null())

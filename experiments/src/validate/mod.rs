@@ -14,6 +14,7 @@ use oracles::laws::{Depth, Law, Measurement};
 use rayon::prelude::*;
 
 use crate::data::atomic;
+use crate::data::table::markdown;
 use crate::run::interrupt;
 use crate::run::progress::{Board, duration};
 use crate::run::provenance::Provenance;
@@ -95,13 +96,7 @@ pub fn write(rows: &[Row], depth: Depth, folder: &Path) -> Result<()> {
         &folder.join("validation.json"),
         &serde_json::to_vec_pretty(&json)?,
     )?;
-    let mut text = String::new();
-    for (index, row) in table::cells(rows).iter().enumerate() {
-        text.push_str(&format!("| {} |\n", row.join(" | ")));
-        if index == 0 {
-            text.push_str(&format!("|{}\n", "---|".repeat(row.len())));
-        }
-    }
+    let text = markdown(&table::cells(rows));
     atomic::write(&folder.join("table.md"), text.as_bytes())?;
     atomic::write(&folder.join("laws.md"), laws(rows).as_bytes())?;
     let folder = folder.join("data");

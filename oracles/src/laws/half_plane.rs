@@ -13,8 +13,8 @@
 //! 0.18 rad early, because the path round the edge is shorter by `e` times the sum of both cosines.
 //! Bias: other terms of the order of `k d` = 0.18 behind the wall. They halve with the thickness in wavelengths: one
 //! row has twice the wavelength, and all lengths but the thickness doubled.
-//! Tolerance: 2.5 % and 0.15 dB on the source's side (iwb, whose waves along the diagonals are as late as those of slf
-//! along the axes and half as much again, 5.5 %), 6.5 % and 0.55 dB behind the wall, half of that at twice the
+//! Tolerance: 2.5 % and 0.15 dB on the source's side (iwb, whose waves along the diagonals are later by a third than
+//! those of slf along the axes, 5.5 %), 6.5 % and 0.55 dB behind the wall, half of that at twice the
 //! wavelength. Without diffraction the shadow would be silent.
 
 use super::measurement::{Depth, Measurement, named};

@@ -8,8 +8,8 @@
 //! growing modes remain; the largest eigenvalue is that of the step on the space spanned by this state and its images
 //! after some steps each (Arnoldi).
 //! Bias: a mode that the initial state does not contain is missed; noise contains all.
-//! With iwb all waves of two cells along an axis have one frequency and stand still: what is left decays slowly and is
-//! a space of its own, in which the values of a small one say nothing. Its numbers are shown.
+//! With iwb all waves of two cells along an axis have one frequency and stand still: a large space
+//! that hardly decays, in which the values of a small one say nothing. Its numbers are shown.
 //! Tolerance: spectral radius at most 1 + 1e-12.
 
 use rayon::prelude::*;

@@ -18,6 +18,7 @@ use super::drawing::colour;
 use super::drawing::stroke::{Marker, Stroke};
 use super::drawing::style::method_style;
 use crate::data::atomic;
+use crate::data::table::markdown;
 use crate::study::cells::short;
 use crate::study::file::{FigureChoice, MethodName};
 use crate::study::{Study, StudySummary};
@@ -154,7 +155,7 @@ pub(crate) fn draw_into(
             }
             FigureChoice::Table { measures } => {
                 let file = figures.join(format!("table_{tables}.md"));
-                let text = table::markdown(&table::rows(&summary, measures));
+                let text = markdown(&table::rows(&summary, measures));
                 atomic::write(&file, text.as_bytes())?;
                 tables += 1;
                 drawn.push(file);

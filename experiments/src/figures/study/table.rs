@@ -36,16 +36,3 @@ pub(crate) fn rows(summary: &StudySummary, measures: &[Measure]) -> Vec<Vec<Stri
     }
     rows
 }
-
-/// The rows as Markdown.
-pub(super) fn markdown(rows: &[Vec<String>]) -> String {
-    let mut text = String::new();
-    for (index, row) in rows.iter().enumerate() {
-        let cells: Vec<String> = row.iter().map(|cell| cell.replace('|', "\\|")).collect();
-        text.push_str(&format!("| {} |\n", cells.join(" | ")));
-        if index == 0 {
-            text.push_str(&format!("|{}\n", "---|".repeat(row.len())));
-        }
-    }
-    text
-}

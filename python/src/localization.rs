@@ -120,8 +120,8 @@ impl Localization {
         self.fit.clone().into_pyarray(py)
     }
 
-    /// Errors against the recording's truth: ``mae_m``, ``rmse_m``, ``p90_m``, ``max_m``, ``final_m``,
-    /// ``heading_mae_rad``; ``None`` without truth.
+    /// Errors against the recording's truth: ``mae_m``, ``interpolated_mae_m``, ``rmse_m``, ``p90_m``, ``max_m``,
+    /// ``final_m``, ``heading_mae_rad``; ``None`` without truth.
     #[getter]
     fn scores<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.scores

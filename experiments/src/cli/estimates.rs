@@ -137,6 +137,10 @@ impl Scored {
         let score = |of: &dyn Fn(&Scores) -> f64| self.scores.as_ref().map(of);
         for (field, value) in [
             ("mae_m", score(&|scores| scores.mae_m)),
+            (
+                "interpolated_mae_m",
+                score(&|scores| scores.interpolated_mae_m),
+            ),
             ("rmse_m", score(&|scores| scores.rmse_m)),
             ("p90_m", score(&|scores| scores.p90_m)),
             ("max_m", score(&|scores| scores.max_m)),
@@ -157,6 +161,7 @@ impl Scored {
         let metres = |name: &str, value: f64| [name.to_string(), format!("{value:.4} m")];
         vec![
             metres("mean error (MAE)", scores.mae_m),
+            metres("between true poses", scores.interpolated_mae_m),
             metres("root mean square", scores.rmse_m),
             metres("90 % below", scores.p90_m),
             metres("largest", scores.max_m),
@@ -179,8 +184,9 @@ impl Scored {
     pub(super) fn tell(&self) -> Result<()> {
         match &self.scores {
             Some(scores) => print(&format!(
-                "mean absolute position error {:.4} m over {:.0} % of the drive\n",
+                "mean absolute position error {:.4} m ({:.4} m between true poses) over {:.0} % of the drive\n",
                 scores.mae_m,
+                scores.interpolated_mae_m,
                 100.0 * self.coverage
             )),
             None => {

@@ -9,7 +9,7 @@ use crate::data::table::Table;
 use crate::figures::drawing::axes::Axes;
 use crate::figures::drawing::axis::Axis;
 use crate::figures::drawing::canvas;
-use crate::figures::drawing::legend::{Entry, legend};
+use crate::figures::drawing::legend::{Entry, legend_in_columns};
 use crate::metrics::quantile;
 use crate::study::Study;
 use crate::study::cells::all_in_words;
@@ -77,11 +77,11 @@ pub(super) fn draw(study: &Study, data: &Path, picture: &Path) -> Result<()> {
             .iter()
             .zip(&found)
             .map(|(line, (_, errors, _))| {
-                let text = format!("{}: 90 % below {} m", line.name, number(ninety(errors)));
+                let text = format!("{}: {} m", line.name, number(ninety(errors)));
                 Entry::line(line.stroke, &text)
             })
             .collect();
-        let height = legend(sheet, [190.0, 80.0], 1380.0, &entries)?;
+        let height = legend_in_columns(sheet, [190.0, 80.0], 1380.0, &entries)?;
         let axes = Axes::new(
             sheet,
             [190.0, 160.0 + height, 1550.0, 980.0],
@@ -102,6 +102,8 @@ pub(super) fn draw(study: &Study, data: &Path, picture: &Path) -> Result<()> {
         } else {
             String::new()
         };
-        axes.finish(&format!("all trials and times{note}"))
+        axes.finish(&format!(
+            "all trials and times{note}; after each name the 90 % quantile"
+        ))
     })
 }

@@ -12,8 +12,8 @@ const LARGEST_APART_S: f64 = 0.01;
 /// Errors of a drive.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scores {
-    /// Mean distance from the true position, metres. The true pose is the one nearest in time, as `evo_ape` takes it: up
-    /// to 10 ms of the way may be in this and in all below.
+    /// Mean distance from the true position, metres. The true pose is the one nearest in time, as `evo_ape` takes it:
+    /// up to 10 ms of the way may be in this and in all below.
     pub mae_m: f64,
     /// The same from the true position between two poses, at the estimate's own instant.
     pub interpolated_mae_m: f64,

@@ -72,10 +72,15 @@ impl LandmarkFilter {
                 pose,
                 sigma_m,
                 sigma_rad,
-            } => {
-                let here = Hypothesis::new(pose, sigma_m.max(1e-3), sigma_rad.max(1e-3), &noise);
-                (here.with_speeds_of_sound(&noise), Status::Sure)
-            }
+            } => (
+                vec![Hypothesis::new(
+                    pose,
+                    sigma_m.max(1e-3),
+                    sigma_rad.max(1e-3),
+                    &noise,
+                )],
+                Status::Sure,
+            ),
             Start::Unknown => (Vec::new(), Status::Converging),
         };
         Self {

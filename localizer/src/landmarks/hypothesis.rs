@@ -70,9 +70,6 @@ pub struct Seen<'a> {
 
 /// Squared Mahalanobis distance up to which a peak may belong to a landmark.
 const GATE: f64 = 16.0;
-/// Speeds of sound that are tried beside the set one, and their uncertainty, as parts of its uncertainty.
-const SOUNDS: [f64; 4] = [-1.0, -0.5, 0.5, 1.0];
-const SOUND_PART: f64 = 0.3;
 /// Degrees of freedom of the residuals' heavy tails.
 const TAILS: f64 = 4.0;
 /// Times as many blocks count once in the weight of a hypothesis: what the map does not know makes errors that last.
@@ -132,22 +129,6 @@ impl Hypothesis {
             log_weight: 0.0,
             blur_m: 0.0,
         }
-    }
-
-    /// This one and, as far beside it as the speed of sound is uncertain, others: far echoes move by more than what is
-    /// between them, and would be taken for each other's.
-    pub(super) fn with_speeds_of_sound(self, noise: &Noise) -> Vec<Self> {
-        let beside = |part: f64| {
-            let mut other = self.clone();
-            let off = part * noise.sound;
-            other.state[5] += off;
-            other.covariance[(5, 5)] = (SOUND_PART * noise.sound).powi(2);
-            other.log_weight -= 0.5 * part * part;
-            other
-        };
-        let mut all: Vec<Self> = SOUNDS.map(beside).into();
-        all.insert(0, self);
-        all
     }
 
     /// The mean pose.

@@ -13,8 +13,6 @@ const LEAST_LOG_WEIGHT: f64 = -14.0;
 const RIVAL_PART: f64 = 0.08;
 /// Distances (metres, radians) within which two hypotheses are one.
 const ALIKE: [f64; 2] = [0.04, 0.08];
-/// Difference of their speeds of sound, as a part of one, from which on they are two.
-const ALIKE_SOUND: f64 = 0.002;
 /// Logarithm of the odds from which on a hypothesis is sure.
 pub(crate) const SURE_LOG_ODDS: f64 = 6.0;
 /// Standard deviation of the position in metres up to which a hypothesis is sure.
@@ -108,20 +106,12 @@ impl Track {
 
     /// Whether one hypothesis stands out, and is narrow.
     pub(crate) fn is_single(&self) -> bool {
-        let second = (1..self.hypotheses.len()).find(|&other| !self.are_alike(0, other));
-        let second = second.map(|second| &self.hypotheses[second]);
+        let second = self.hypotheses.get(1);
         let narrow = self.hypotheses.first().is_some_and(|best| {
             best.covariance[(0, 0)] + best.covariance[(1, 1)] < SURE_SIGMA_M.powi(2)
         });
         let enough = SURE_LOG_ODDS.max(RIVAL_PART * self.score);
         narrow && second.is_none_or(|second| second.log_weight < -enough)
-    }
-
-    /// Whether two hypotheses have the same pose.
-    fn are_alike(&self, one: usize, other: usize) -> bool {
-        let [one, other] = [one, other].map(|number| self.hypotheses[number].pose());
-        one.distance_m(&other) < ALIKE[0]
-            && wrap_angle(one.heading_rad - other.heading_rad).abs() < ALIKE[1]
     }
 
     /// Takes over the hypotheses of another track that followed the same blocks since both began; their likelihoods
@@ -152,11 +142,11 @@ impl Track {
             if self.hypotheses[index].log_weight < least {
                 continue;
             }
-            let twin = (0..kept).any(|other| {
-                self.are_alike(index, other) && {
-                    let [a, b] = [index, other].map(|k| self.hypotheses[k].state[5]);
-                    (a - b).abs() < ALIKE_SOUND
-                }
+            let pose = self.hypotheses[index].pose();
+            let twin = self.hypotheses[..kept].iter().any(|other| {
+                let other = other.pose();
+                other.distance_m(&pose) < ALIKE[0]
+                    && wrap_angle(other.heading_rad - pose.heading_rad).abs() < ALIKE[1]
             });
             if !twin {
                 self.hypotheses.swap(kept, index);

@@ -13,7 +13,7 @@ const LARGEST_APART_S: f64 = 0.01;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scores {
     /// Mean distance from the true position, metres. The true pose is the one nearest in time, as `evo_ape` takes it:
-    /// up to 10 ms of the way may be in this and in all below.
+    /// up to 10 ms of the way may be in this and in all others but the next.
     pub mae_m: f64,
     /// The same from the true position between two poses, at the estimate's own instant.
     pub interpolated_mae_m: f64,

@@ -52,6 +52,7 @@ fn a_good_run_says_so_in_one_line_and_in_json() {
     let (report, said) = localize(at, "drive", &[]);
     for field in [
         "mae_m",
+        "interpolated_mae_m",
         "rmse_m",
         "p90_m",
         "max_m",
